@@ -1,6 +1,6 @@
 """From any triangles to closed surfaces: small defects are mended and named, the others refused."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -37,7 +37,8 @@ class ClosedSurface:
     """One closed surface: ``vertices (n, 3)``, and ``triangles (m, 3)`` wound away from the material.
 
     ``opposite (3 m,)`` is the half-edge across each half-edge. ``body`` numbers the solid that it bounds, and
-    ``is_void`` says whether it is one of its voids; their ``volume`` is negative.
+    ``is_void`` says whether it is one of its voids; their ``volume`` is negative. ``meets`` says whether it
+    crosses or touches itself or another surface of its body.
     """
 
     vertices: np.ndarray
@@ -46,6 +47,7 @@ class ClosedSurface:
     body: int
     is_void: bool
     volume: float
+    meets: bool = False
 
 
 def closed_surfaces(graph) -> tuple[list[ClosedSurface], tuple[str, ...]]:
@@ -72,7 +74,7 @@ def closed_surfaces(graph) -> tuple[list[ClosedSurface], tuple[str, ...]]:
             graph = mend(graph, size, repairs)
     _require_closed(graph)
     surfaces = _bodies(*_one_fan_a_vertex(graph), size, repairs)
-    _name_overlaps(surfaces, size, repairs)
+    surfaces = _compared(surfaces, size, repairs)
     return surfaces, tuple(repairs)
 
 
@@ -284,15 +286,17 @@ def _bodies(vertices, triangles, opposite, size, repairs):
     return out
 
 
-def _name_overlaps(surfaces, size, repairs):
-    """Name surfaces that cross, and bodies that lie in others: their volume counts twice."""
+def _compared(surfaces, size, repairs):
+    """The surfaces, told which meet; those that cross and bodies inside others, counted twice, are named."""
     owner = np.repeat(np.arange(len(surfaces)), [len(one.triangles) for one in surfaces])
     begins = np.cumsum([0, *(len(one.vertices) for one in surfaces)])[:-1]
     corners = np.concatenate([one.triangles + b for one, b in zip(surfaces, begins, strict=True)])
     points = np.concatenate([one.vertices for one in surfaces])
     inwards = -np.concatenate([vertex_normals(one.vertices, one.triangles)[0] for one in surfaces])
     partner = crossing_triangles(points, corners)
-    if (partner >= 0).any():  # or only touch
+    near, body = np.flatnonzero(partner >= 0), np.array([one.body for one in surfaces])[owner]
+    meeting = set(owner[near[body[near] == body[partner[near]]]].tolist())
+    if len(near):  # or only touch
         moved = crossing_triangles(points + _TOUCHING * size * inwards, corners)
         partner = np.where(moved >= 0, partner, -1)
     crossed = np.flatnonzero(partner >= 0)
@@ -310,6 +314,7 @@ def _name_overlaps(surfaces, size, repairs):
                 f"not mended: the body around {place} lies inside another and counts twice; turn its "
                 "triangles if it is a void"
             )
+    return [replace(one, meets=k in meeting) for k, one in enumerate(surfaces)]
 
 
 def _inside(point, part):

@@ -262,18 +262,17 @@ def _nodes(path, limits, speeds, short, trapezoid, fineness):
     half = 0.5 * (base[1:] + base[:-1])
     pace = np.sqrt(np.interp(half, lengths, squares))
     tick = min(limits.period_s / fineness.per_period, limits.acceleration / jerk / fineness.per_ramp)
-    beyond, growth, of_ends = np.searchsorted(places, half).clip(1, len(places) - 1), 0.0, 0.0
+    beyond, growth = np.searchsorted(places, half).clip(1, len(places) - 1), 0.0
     for near in (beyond - 1, beyond):
         away = np.abs(half - places[near])
         pace = np.minimum(pace, slow[near] + np.cbrt(4.5 * jerk * away**2))
         growth += tick / _GROWTH / (reach[near] + away)
-        outer = (near == 0) | (near == len(places) - 1)
-        of_ends += outer / _GROWTH / (reach[near] + away)
     clock = np.concatenate([[0.0], np.cumsum(np.diff(base) * (1.0 / pace + growth))])
     most = _MOST[0] + _MOST[1] * len(path.zones) + len(lengths)
     measure = clock * (np.clip(clock[-1] / tick, fineness.fewest, most) / clock[-1])
     if clock[-1] > most * tick:  # no fewer cells in the ramps of both ends
-        measure += np.concatenate([[0.0], np.cumsum(np.diff(base) * of_ends)])
+        ramps = 1.0 / (reach[0] + half) + 1.0 / (reach[-1] + total - half)
+        measure[1:] += np.cumsum(np.diff(base) * ramps / _GROWTH)
     measure += np.interp(base, lengths, np.arange(len(lengths))) / _SAMPLES
     counts = np.minimum(np.diff(measure), np.diff(base) / (_SHORTEST_CELL * np.sqrt(pace**3 / jerk)))
     measure = np.concatenate([[0.0], np.cumsum(counts)])

@@ -13,7 +13,7 @@ from scipy.sparse import coo_array
 from trimesh.triangles import closest_point
 
 from nurbs_lab.mesh.core import face_normals, unit, vertex_normals
-from nurbs_lab.mesh.distance import crossing_triangles, triangle_tree
+from nurbs_lab.mesh.distance import triangle_tree
 from nurbs_lab.mesh.solid.features import factorized
 from nurbs_lab.mesh.solid.grids import even_places, places
 from nurbs_lab.mesh.solid.net import DEGREE, number_nodes, side_places, turned
@@ -174,12 +174,11 @@ def _angles(nodes):
 
 
 class Target:
-    """The mesh that patches are fitted to: samples, volume, nearest points, and whether it crosses itself."""
+    """The mesh that patches are fitted to: samples of it, its volume, and the nearest points on it."""
 
     def __init__(self, vertices, triangles, volume):
         self.vertices, self.triangles, self.volume = vertices, triangles, volume
         self.tree = triangle_tree(vertices[triangles])
-        self.crosses = (crossing_triangles(vertices, triangles) >= 0).any()
 
     def feet(self, points):
         """The nearest points of the mesh."""

@@ -17,7 +17,7 @@ from nurbs_lab.mesh.repair import closed_surfaces
 from nurbs_lab.mesh.solid.faces import Face, kinds_of_faces, patch
 from nurbs_lab.mesh.solid.net import side_places
 from nurbs_lab.mesh.solid.patches import Patches
-from nurbs_lab.mesh.solid.refine import build
+from nurbs_lab.mesh.solid.refine import Fitted, build
 from nurbs_lab.mesh.solid.shell_triangles import shell_triangles
 from nurbs_lab.mesh.solid.trimmed import Measured, TrimmedShell, exact_shell
 from nurbs_lab.nurbs import NurbsSurface
@@ -339,23 +339,20 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
 
 
 def _crossings(parts, fits, shells, tolerance):
-    """Middles of fine triangles of a body that others of it pass through, unless its mesh crosses itself."""
-    fine = [
-        fit.fine if isinstance(fit, Measured) else shell.to_mesh(tolerance / 10)
-        for fit, shell in zip(fits, shells, strict=True)
-    ]
-    given = [trimesh.Trimesh(part.vertices, part.triangles, process=False) for part in parts]
+    """Middles of fine triangles of a body that others of it pass through, where the mesh has none."""
     out = [np.empty((0, 3))]
     for body in range(1 + max(part.body for part in parts)):
-        made, mesh = (
-            trimesh.util.concatenate(
-                [one for one, part in zip(some, parts, strict=True) if part.body == body]
-            )
-            for some in (fine, given)
+        mine = [k for k, part in enumerate(parts) if part.body == body]
+        sound = len(mine) == 1 and isinstance(fits[mine[0]], Fitted) and not fits[mine[0]].faulty.any()
+        if sound or any(parts[k].meets for k in mine):  # `build` has looked at a single shell of patches
+            continue
+        fine = trimesh.util.concatenate(
+            [
+                fits[k].fine if isinstance(fits[k], Measured) else shells[k].to_mesh(tolerance / 10)
+                for k in mine
+            ]
         )
-        crossed = crossing_triangles(made.vertices, made.faces) >= 0
-        if crossed.any() and (crossing_triangles(mesh.vertices, mesh.faces) < 0).all():
-            out.append(made.triangles_center[crossed])
+        out.append(fine.triangles_center[crossing_triangles(fine.vertices, fine.faces) >= 0])
     return np.concatenate(out)
 
 

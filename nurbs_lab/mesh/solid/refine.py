@@ -38,7 +38,7 @@ class Fitted:
     surface_points: np.ndarray
     to_mesh: np.ndarray
     bad: np.ndarray  # of every face, the largest distance
-    flipped: np.ndarray  # faces that fold or pass through others
+    faulty: np.ndarray  # faces that fold, or pass through others
     face_of_vertex: np.ndarray  # the face nearest to every vertex of the mesh that is divided
     vertex_of_face: np.ndarray  # the vertex nearest to the middle of every face, which may have no other
 
@@ -67,14 +67,14 @@ def build(part, tolerance, sharp_angle, most_faces) -> Fitted:
     coarse = bool(np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within)
     mesh = surfels(fine, parts, sharp_angle, _BESIDE * within, rough=not coarse)
     samples = np.concatenate([vertices, triangle_samples(vertices, triangles, 0.02)])
-    best = _refined(mesh, target, samples, within, most_faces)
+    best = _refined(mesh, target, samples, within, most_faces, part.meets)
     for_size = {name: getattr(best, name) * size + centre for name in ("mesh_points", "surface_points")}
     for_size |= {name: getattr(best, name) * size for name in ("to_surface", "to_mesh", "bad")}
     patches = replace(best.patches, control=best.patches.control * size + centre)
     return replace(best, patches=patches, **for_size)
 
 
-def _refined(mesh, target, samples, within, most_faces):
+def _refined(mesh, target, samples, within, most_faces, meets):
     """The first fit that keeps the tolerance, or the best one, on finer and finer layouts."""
     weight, best, faces = np.ones(len(mesh.vertices)), None, 0
     cost = COST**2 * within / 0.005
@@ -91,12 +91,14 @@ def _refined(mesh, target, samples, within, most_faces):
         nodes = even_grid(mesh, layout, chart)
         fitted = measure(fit(target, layout, nodes, SAFETY * within), target, mesh.vertices, samples)
         if best is None or _score(fitted, within) < _score(best, within):
-            fitted = _closely(fitted, target, within)
+            fitted = _closely(fitted, target)
+            if not meets:
+                fitted = replace(fitted, faulty=fitted.faulty | crossed(fitted.patches, within / 10))
         if best is None or _score(fitted, within) < _score(best, within):
             best = fitted
         if _score(best, within) == (0, SAFETY):
             break
-        ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.flipped, 4.0, 0.0))
+        ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.faulty, 4.0, 0.0))
         raised = np.where(ratio > 1.0, RAISE * ratio, 1.0)
         raised_there = raised[fitted.face_of_vertex]
         np.maximum.at(raised_there, fitted.vertex_of_face, raised)
@@ -114,8 +116,8 @@ def _small_layout(mesh, weight, cost, most_faces):
 
 
 def _score(fitted, within):
-    """Smaller is better: first fewer folds, then the largest distance; none counts below the safe one."""
-    return int(fitted.flipped.sum()), max(fitted.worst / within, SAFETY)
+    """Smaller is better: fewer faulty faces, then the largest distance; none counts below the safe one."""
+    return int(fitted.faulty.sum()), max(fitted.worst / within, SAFETY)
 
 
 def measure(patches: Patches, target, inside, samples) -> Fitted:
@@ -135,10 +137,9 @@ def measure(patches: Patches, target, inside, samples) -> Fitted:
     return Fitted(patches, samples, gaps, points, back, bad, folds, face_of_vertex, vertex_of_face)
 
 
-def _closely(fitted, target, within):
-    """The same, with distances from more places of the patches, and with patches that cross."""
+def _closely(fitted, target):
+    """The same, with distances from more places of the patches."""
     points = fitted.patches.grid(_CLOSE).reshape(-1, 3)
     back = target.tree.distances(points)
     bad = np.maximum(fitted.bad, back.reshape(len(fitted.bad), -1).max(axis=1))
-    flipped = fitted.flipped | (crossed(fitted.patches, within / 10) & ~target.crosses)
-    return replace(fitted, surface_points=points, to_mesh=back, bad=bad, flipped=flipped)
+    return replace(fitted, surface_points=points, to_mesh=back, bad=bad)

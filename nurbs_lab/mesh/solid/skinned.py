@@ -61,10 +61,10 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False, capped
     unit = unit_of(size)
     shell = TrimmedShell.of(oc.capped_tube(tube.transform(np.eye(3) / unit)), unit, 0, False)
     mesh = _uncrossed(shell, size)
-    none = np.empty(0)  # there is no mesh to measure from
-    unmeasured = Deviation(none, Spread(none), Spread(none), none, np.empty((0, 3)))
+    none, nowhere = np.empty(0), np.empty((0, 3))  # there is no mesh to measure from
+    unmeasured = Deviation(none, Spread(none), Spread(none), none, nowhere)
     return Reconstruction(
-        (shell,), _FINE * size, mesh_graph(mesh), shell.volume, (), unmeasured, 0.0, unmeasured.points
+        (shell,), _FINE * size, mesh_graph(mesh), shell.volume, (), unmeasured, 0.0, nowhere
     )
 
 
