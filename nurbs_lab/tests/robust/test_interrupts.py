@@ -7,7 +7,6 @@ import sys
 import tempfile
 import threading
 import time
-from pathlib import Path
 
 import numpy as np
 import psutil
@@ -31,20 +30,14 @@ def waves(count):
     return np.dstack([x, y, np.sin(3 * x) * np.cos(2 * y)])
 
 
-def stream(count):
-    with tempfile.NamedTemporaryFile(suffix=".stl") as file:
-        BALL.export(file.name)
-        return nl.slice_mesh(file.name, np.linspace(-3.9, 3.9, count))
-
-
 def export(count):
-    nl.export(Path(tempfile.gettempdir(), "part.step"), nl.interpolate_surface(waves(count)))
+    nl.export("part.step", nl.interpolate_surface(waves(count)))
 
 
 #: Work that grows with a number, a small and a large one.
 JOBS = {
     "slice": (lambda n: nl.slice_mesh(BALL, np.linspace(-3.9, 3.9, n)), 4, 10_000),
-    "stream": (stream, 4, 3_000),
+    "stream": (lambda n: nl.slice_mesh("ball.stl", np.linspace(-3.9, 3.9, n)), 4, 3_000),
     "reconstruct": (lambda n: nl.reconstruct(BALL, tolerance=n), 1, 0.01),
     "interpolate": (lambda n: nl.interpolate_surface(waves(n)), 8, 600),
     "plan": (lambda n: nl.plan_feed(nl.paper.CURVE, period_s=1 / n, **LIMITS), 100, 1_000_000),
@@ -60,6 +53,8 @@ JOBS = {
 @pytest.mark.parametrize("name", JOBS)
 def test_an_interrupt_is_heard_and_leaves_nothing(name, tmp_path, monkeypatch):
     job, small, large = JOBS[name]
+    monkeypatch.chdir(tmp_path)
+    BALL.export("ball.stl")
     job(small)  # the compilers, of numba and of Verilog, are not what is measured
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     sent, done = [], threading.Event()
@@ -91,7 +86,8 @@ def test_an_interrupt_is_heard_and_leaves_nothing(name, tmp_path, monkeypatch):
     assert len(sent) <= 2  # the first, or a second where Python lost the first one in a finalizer
     left = [child for child in psutil.Process().children() if child not in others]
     assert psutil.wait_procs(left, timeout=60)[1] == []
-    assert {file.name for file in tmp_path.iterdir()} <= {"part.step"}  # whole, from the small job
+    whole = {"ball.stl", "part.step"}  # from before, and from the small job
+    assert {file.name for file in tmp_path.iterdir()} <= whole
 
 
 def test_an_interrupt_that_numba_hides_is_found_and_other_errors_are_left_alone():
