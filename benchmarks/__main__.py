@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import platform
-import sys
 import time
 from dataclasses import asdict
 from importlib import import_module, metadata
@@ -13,6 +13,7 @@ from pathlib import Path
 from benchmarks import first_calls, page
 
 ROOMS = ("nurbs", "mesh", "motion", "machining", "programs", "hardware", "scale", "files")
+ALL = (*ROOMS, "first calls")
 PEERS = (
     "numpy",
     "scipy",
@@ -52,9 +53,9 @@ def line(row) -> str:
 
 
 def main(rooms) -> None:
-    """Run the tables of the named rooms, or of all; each is stored as soon as it is done."""
+    """Run the tables of the named rooms; each is stored as soon as it is done."""
     results = json.loads(RESULTS.read_text())
-    for room in rooms or (*ROOMS, "first calls"):
+    for room in rooms:
         print(room, flush=True)
         start = time.perf_counter()
         if room == "first calls":
@@ -77,4 +78,9 @@ def _printed(rows):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    arguments = argparse.ArgumentParser("python -m benchmarks", description="Run tables into results.json.")
+    arguments.add_argument("rooms", nargs="*", default=ALL, metavar="room", help=", ".join(ALL))
+    rooms = arguments.parse_args().rooms
+    if not set(rooms) <= set(ALL):
+        arguments.error(f"rooms are {rooms}, should be of {', '.join(ALL)}")
+    main(rooms)
