@@ -19,7 +19,7 @@ from nurbs_lab.nurbs._kernels_shape import blossom
 
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 _P8 = np.polynomial.Legendre.basis(8)
-_LEVEL = _P8.deriv().roots()
+_LEVEL = _P8.deriv().roots().real  # NumPy 2.5 gives them as complex numbers
 _LEVEL -= _P8.deriv()(_LEVEL) / _P8.deriv(2)(_LEVEL)  # a Newton step, for the last digits
 LOBATTO_NODES = np.concatenate([[-1.0], _LEVEL, [1.0]])
 LOBATTO_WEIGHTS = 1.0 / (36.0 * _P8(LOBATTO_NODES) ** 2)
