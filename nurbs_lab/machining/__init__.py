@@ -12,7 +12,6 @@ constant (module)                        value    half           twice
 =======================================  =======  =============  =============
 CUSP (finish), of the scallop            0.65     +17, -29       at 0.95 -14, -51
 SAMPLES (finish), of the step-over       0.25     -4, -3         -9, -20
-REACH (finish), tolerances               2        -2, -9 **      +12, +30; at half 1.16 scallops left of *
 SUSPECT (finish), of the scallop         0.75     +1, +6 *       -14, -29; at twice 1.7 scallops are left
 FINER (finish)                           4        -5, -10 *      +4, +19; at half 1.07 scallops are left
 SHIFTS (finish), of the step-over        0.5 ...  the first alone: 0, 0; of * at 0.03 1.5 scallops are left

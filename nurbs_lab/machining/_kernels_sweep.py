@@ -56,8 +56,10 @@ def into_cells(tips, low, size, nx, ny):
 
 
 @compiled
-def left(points, tips, cells, shape, reach, out):
+def left(points, tips, cells, shape, reach, out, which):
     """Distance of every point to the nearest of all cutters, at most ``reach``, which may be infinite.
+
+    ``which`` is the number of its tip, or any other if none is so near.
 
     The tips are sorted into ``cells`` by `into_cells`. The tip nearest to one point gives a first distance
     for the next; others are looked for farther and farther away. Cells whose tips are all farther away than
@@ -69,6 +71,7 @@ def left(points, tips, cells, shape, reach, out):
         while out[i] >= most and most < reach:
             most = min(2.0 * most, reach)
             out[i], held = nearest(points[i], tips, cells, shape, most, held)
+        which[i] = held
 
 
 @compiled

@@ -14,7 +14,7 @@ from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.program import MACHINE, Program
 from nurbs_lab.machining.stock import as_stock, material_of, require_inside
-from nurbs_lab.machining.surface import left_over, reached, sample_surface, with_valleys
+from nurbs_lab.machining.surface import left_over, reached, sample_surface, visible, with_valleys
 from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
 
@@ -25,7 +25,6 @@ SAMPLES = 0.25  # fraction of the step-over: spacing of the samples on which the
 FINEST_SAMPLES = 1 / 64  # fraction of the diameter: their least spacing
 SUSPECT = 0.75  # fraction of the scallop: near samples with more, finer ones are looked at
 FINER = 4.0  # their spacing is so many times smaller
-REACH = 2.0  # tolerances: samples this close to a cutter count, so that none beside them is forgotten
 
 
 @one_or_many(send=without_cache)
@@ -127,34 +126,36 @@ def finish(
 def covering(fitting, plan, scallop, after):
     """Paths that leave no more than the scallop where the cutter reaches the part and ``after`` left more.
 
-    What is left is measured on samples of the part, and after the first passes also on finer ones near those
-    with much: a cusp is sharp, and its top can lie between samples. A warning says where they leave more.
+    What is left is measured on samples of the part, beyond what the cutter must leave there. After the first
+    passes it is measured also on finer ones near those with much: a cusp is sharp, and its top can lie
+    between samples. A warning says where more is left.
     """
-    part, cutter, tolerance = fitting.part, fitting.cutter, fitting.tolerance
+    part, cutter = fitting.part, fitting.cutter
     spacing = max(SAMPLES * plan.step, FINEST_SAMPLES * cutter.diameter)
-    samples, bare = sample_surface(part, spacing), fitting.touch(0.0)
+    samples = sample_surface(part, spacing)
     field = with_valleys(plan.field, plan.touch, samples)
     plan = replace(plan, field=field, slope=field.slope)
-    samples, tips = touched(bare, samples, plan.field.floor, tolerance)
-    points, plan = samples.points, plan.with_steps(tips, samples.normals)
+    places = np.column_stack([field.places(), field.z.ravel()])
+    samples, found, tips, gaps = closest(fitting, samples, field.floor, places)
+    places = np.vstack([places, tips[found]])
+    points, plan = samples.points, plan.with_steps(tips[found], samples.normals[found])
     done = [] if after is None else [(one.cutter, program_tips(one)) for one in after.chain]
-    poor = left_by(done, points, 2.0 * scallop) > scallop
+    poor = left_by(done, points, gaps, scallop) > scallop
     paths = fit_paths(fitting, plan.paths(tips[poor]))
     done.append((cutter, locations(paths)))
-    near = points[left_by(done, points, 2.0 * scallop) > SUSPECT * scallop]
+    near = points[left_by(done, points, gaps, scallop) > SUSPECT * scallop]
     finer = sample_surface(part, spacing / FINER, near, spacing)
-    finer, tips = touched(bare, finer, plan.field.floor, tolerance)
-    points = finer.points
-    left = left_by(done, points, 2.0 * scallop)
+    finer, _, tips, gaps = closest(fitting, finer, field.floor, places)
+    points, left = finer.points, left_by(done, finer.points, gaps, scallop)
     for shift in SHIFTS:
         poor = left > scallop
         if not poor.any():
             break
-        points, tips, left = points[poor], tips[poor], left[poor]
+        points, tips, gaps, left = points[poor], tips[poor], gaps[poor], left[poor]
         more = fit_paths(fitting, plan.more_paths(tips, shift))
         paths += more
-        left = np.minimum(left, left_by([(cutter, locations(more))], points, 2.0 * scallop))
-    if left.max(initial=0.0) <= scallop + tolerance:
+        left = np.minimum(left, left_by([(cutter, locations(more))], points, gaps, scallop))
+    if left.max(initial=0.0) <= scallop + fitting.tolerance:
         return paths, ()
     said = (
         f"at least {left.max():.3g} mm are left where the cutter reaches, such as at "
@@ -163,15 +164,25 @@ def covering(fitting, plan, scallop, after):
     return paths, (said,)
 
 
-def touched(bare, samples, floor, tolerance):
-    """The samples that the cutter reaches, and its tips there."""
-    found, tips = reached(bare, samples, floor, REACH * tolerance)
-    return samples[found], tips[found]
+def closest(fitting, samples, floor, places):
+    """The samples seen from above, which of them the cutter reaches, its tips there, and what must remain.
+
+    In a fillet that is too small for it, or between two edges, it rests on the part at a distance from the
+    samples: its tip there is the nearest one among the ``places (n, 3)`` and the others.
+    """
+    samples = samples[visible(fitting.part, samples, floor, fitting.tolerance)]
+    found, tips = reached(fitting.touch(0.0), samples, floor, fitting.tolerance)
+    places, gaps = np.vstack([places, tips[found]]), np.zeros(len(found))
+    gaps[~found], which = left_over(fitting.cutter, places, samples.points[~found])
+    tips[~found] = places[which]
+    return samples, found, tips, gaps.clip(0.0)
 
 
-def left_by(done, points, most):
-    """Distance of each point to the nearest of some cutters at some tips, at most ``most``."""
-    return np.min([np.full(len(points), most), *(left_over(*one, points, most) for one in done)], axis=0)
+def left_by(done, points, gaps, scallop):
+    """By how much more than the gaps the points are away from some cutters at some tips."""
+    most = 2.0 * scallop + gaps.max(initial=0.0)
+    left = [left_over(*one, points, most)[0] for one in done]
+    return np.min([np.full(len(points), most), *left], axis=0) - gaps
 
 
 def locations(paths):

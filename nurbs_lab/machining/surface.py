@@ -111,14 +111,14 @@ def visible(part, samples, floor, tolerance):
     return (samples.points[:, 2] >= floor - tolerance) & ~Contact(part, NEEDLE, 0.0).collides(above)
 
 
-def left_over(cutter, tips, points, reach):
-    """Distance ``(n,)`` of each point to the nearest of the cutters with tips ``tips``; negative inside.
+def left_over(cutter, tips, points, reach=np.inf):
+    """Distance ``(n,)`` of each point to the nearest of the cutters with tips ``tips``, and which one it is.
 
-    Larger distances than ``reach``, which may be infinite, are returned as ``reach``.
+    It is negative inside. Larger distances than ``reach`` are returned as ``reach``, of any cutter.
     """
-    out = np.full(len(points), float(reach))
+    out, which = np.full(len(points), float(reach)), np.zeros(len(points), int)
     if not len(tips) or not len(points):
-        return out
+        return out, which
     low, high = tips.min(axis=0)[:2], tips.max(axis=0)[:2]
     size = max(cutter.radius / 4, float((high - low).max()) / 2000)
     nx, ny = (((high - low) / size).astype(int) + 1).tolist()
@@ -126,7 +126,7 @@ def left_over(cutter, tips, points, reach):
     tips, cells = tips[order], (first, lowest, low, size, nx, ny)
 
     def kernel(block):
-        kernels.left(points[block], tips, cells, cutter.shape, reach, out[block])
+        kernels.left(points[block], tips, cells, cutter.shape, reach, out[block], which[block])
 
     over_blocks(kernel, len(points), "measuring what is left")
-    return out
+    return out, order[which]

@@ -169,11 +169,11 @@ def _one(program, part, samples, seen):
     """Of a program without those before it: gouges, material left, what its cutter reaches, contacts."""
     cutter, touch, tips = program.cutter, contact(part, program.cutter), locations(program)
     deep = tips[touch.collides(tips)]
-    left = left_over(cutter, tips, samples.points, np.inf)
+    left, _ = left_over(cutter, tips, samples.points)
     found, at = reached(touch, samples, part.bounds[0, 2], program.tolerance)
     if cutter.flat_radius:  # a level place may be anywhere under the disc
         beside, most = seen & ~found, 2.0 * program.tolerance
-        found[beside] = left_over(cutter, at[found], samples.points[beside], most) < most
+        found[beside] = left_over(cutter, at[found], samples.points[beside], most)[0] < most
     return np.column_stack([deep, touch.depths(deep)]), left, found, _contacts(program, part, tips)
 
 

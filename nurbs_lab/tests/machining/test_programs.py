@@ -359,6 +359,20 @@ def test_gaps_hardly_wider_than_the_cutter_are_finished_or_it_is_said(kind, widt
     assert not fits or np.diff(np.sort(np.append(deep, (-9.0, 9.0)))).max() < 1.0
 
 
+def test_no_more_than_asked_is_left_where_the_ball_rests_between_a_rim_and_the_floor():
+    """Of a slot shallower than the ball's radius: what the ball leaves there is a circle in closed form."""
+    wide, scallop, tolerance, axis = 3.6, 0.1, 0.02, np.array([0.0, 0.0, 3.0])
+    boxes = [((-20, -9, 0), (20, 9, 8)), *(((-20, y, 8), (20, y + 3, 9)) for y in (-3 - wide, wide))]
+    part = trimesh.util.concatenate([trimesh.creation.box(bounds=box) for box in boxes])
+    program = nl.finish(part, nl.Cutter("ball", 6.0, length=20.0), scallop=scallop, tolerance=tolerance)
+    tips = [curve(np.linspace(*curve.domain, int(curve.length() / 0.02) + 2)) for curve in program.curves]
+    centre = wide - np.sqrt(3.0**2 - 2.0**2)  # of a ball that rests on the floor and on the edge of the rim
+    x, y = (a.ravel() for a in np.meshgrid(np.linspace(-15, 15, 101), np.linspace(centre, wide, 201)[:-1]))
+    bowl = np.column_stack([x, y, 11.0 - np.sqrt(3.0**2 - (y - centre) ** 2)])
+    left = cKDTree(np.concatenate(tips) + axis).query(np.concatenate([bowl, bowl * (1, -1, 1)]))[0] - 3.0
+    assert 0.0 < left.min() <= left.max() < scallop + tolerance
+
+
 def test_a_floor_is_reached_where_the_disc_covers_it():
     """A slot of 9 mm and a flat cutter of 6: it reaches all of the floor and both walls."""
     mesh = slotted(9.0, 0.0)
