@@ -37,7 +37,7 @@ class Claim(NamedTuple):
     Attributes
     ----------
     item, kind, section : str
-        Its name, one of ``KINDS``, and the section of the paper in which it stands.
+        Its name, one of ``KINDS``, and the section of the paper in which it appears.
     quote, reading : str
         The paper's words or equation as our copy has them, and how we read them and why; Markdown.
     verdict : str
