@@ -18,7 +18,6 @@ from nurbs_lab.machining.surface import left_over, reached, sample_surface, visi
 from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
 
-SHIFTS = (0.5, 0.25, 0.75)  # fractions of the step-over at which each round inserts further passes
 CUSP = 0.65  # fraction of the scallop: height of cusps on a plane between the first passes
 FINEST = 1e-6  # fraction of the part's size: smallest tolerance
 SAMPLES = 0.25  # fraction of the step-over: spacing of the samples on which the remainder is measured
@@ -147,12 +146,11 @@ def covering(fitting, plan, scallop, after):
     finer = sample_surface(part, spacing / FINER, near, spacing)
     finer, _, tips, gaps = closest(fitting, finer, field.floor, places)
     points, left = finer.points, left_by(done, finer.points, gaps, scallop)
-    for shift in SHIFTS:
-        poor = left > scallop
-        if not poor.any():
-            break
+    before = np.inf
+    while 0 < (poor := left > scallop).sum() < before:
         points, tips, gaps, left = points[poor], tips[poor], gaps[poor], left[poor]
-        more = fit_paths(fitting, plan.more_paths(tips, shift))
+        more = plan.paths_between(tips) if np.isinf(before) else plan.short_paths(tips, left)
+        more, before = fit_paths(fitting, more), len(left)
         paths += more
         left = np.minimum(left, left_by([(cutter, locations(more))], points, gaps, scallop))
     if left.max(initial=0.0) <= scallop + fitting.tolerance:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import binary_closing, binary_dilation, minimum_filter
+from scipy.spatial import cKDTree
 
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import Contact
@@ -21,6 +22,7 @@ GRID = 24  # nodes of the grid along a diameter, at most
 WIDTH = 0.5  # step-overs: distance of its nodes
 HIDDEN = 0.5  # of the part's slope: where the grid shows less, it hides a step lower than its cells are wide
 NEAR = 0.25  # fraction of the step-over: a waterline farther from the part than this is dropped
+APART = 0.5  # step-overs: least distance between the middles of short passes
 SAME = 0.1  # tolerances: a waterline this close above a lower one, as on an upright wall, is left out
 
 
@@ -100,10 +102,22 @@ class Layout:
         near[self.field.index(tips[:, :2])] = True
         return binary_dilation(near, np.ones((3, 3)))
 
-    def more_paths(self, tips, shift):
-        """Further passes near the tips ``(n, 3)``, shifted by the fraction ``shift`` of the step-over."""
-        near, flat = self._near(tips), self.slope <= SPLIT
-        return self._waterlines(near & self._steep, shift) + self._raster(near & flat, shift)
+    def paths_between(self, tips):
+        """Passes near the tips ``(n, 3)``, half-way between the first ones."""
+        near = self._near(tips)
+        return self._waterlines(near & self._steep, 0.5) + self._raster(near & (self.slope <= SPLIT), 0.5)
+
+    def short_paths(self, tips, left):
+        """Short passes along the raster through those of the tips ``(n, 3)`` where most is left."""
+        near, free, chosen = cKDTree(tips), np.ones(len(tips), bool), []
+        for i in np.argsort(-left):
+            if free[i]:
+                chosen.append(i)
+                free[near.query_ball_point(tips[i], APART * self.step)] = False
+        along = np.eye(3)[np.argmax(self.field.z.shape)] * self.field.step
+        points = tips[chosen, None] + np.array([[-1.0], [0.0], [1.0]]) * along
+        points[..., 2] = self.touch.heights(points[..., :2].reshape(-1, 2)).reshape(-1, 3)
+        return [Path(some, None) for some in points if some[:, 2].min() > self.field.floor]
 
     def _levels(self, shift):
         """Heights of the waterlines: evenly spaced, and without a shift those along level faces too."""
