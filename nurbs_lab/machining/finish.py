@@ -163,17 +163,18 @@ def covering(fitting, plan, scallop, after):
 
 
 def closest(fitting, samples, floor, places):
-    """The samples seen from above, which of them the cutter reaches, its tips there, and what must remain.
+    """Samples seen from above, which of them the cutter reaches, its tips there, and what must remain.
 
     In a fillet that is too small for it, or between two edges, it rests on the part at a distance from the
-    samples: its tip there is the nearest one among the ``places (n, 3)`` and the others.
+    samples: its tip there is the nearest one among the ``places (n, 3)`` and the others. Samples in holes, a
+    diameter or more away, are left out.
     """
     samples = samples[visible(fitting.part, samples, floor, fitting.tolerance)]
     found, tips = reached(fitting.touch(0.0), samples, floor, fitting.tolerance)
-    places, gaps = np.vstack([places, tips[found]]), np.zeros(len(found))
-    gaps[~found], which = left_over(fitting.cutter, places, samples.points[~found])
-    tips[~found] = places[which]
-    return samples, found, tips, gaps.clip(0.0)
+    places, gaps, most = np.vstack([places, tips[found]]), np.zeros(len(found)), fitting.cutter.diameter
+    gaps[~found], which = left_over(fitting.cutter, places, samples.points[~found], most)
+    tips[~found], near = places[which], gaps < most
+    return samples[near], found[near], tips[near], gaps[near].clip(0.0)
 
 
 def left_by(done, points, gaps, scallop):
