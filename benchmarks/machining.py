@@ -14,7 +14,7 @@ from nurbs_lab import machining
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.field import tip_field
 from nurbs_lab.machining.finish import CUSP
-from nurbs_lab.machining.fit import fit_paths
+from nurbs_lab.machining.fit import Fitting, fit_paths
 from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.waterlines import waterlines
 from nurbs_lab.mesh import samples
@@ -179,7 +179,7 @@ def _motion(part):
     paths = plan.paths(np.column_stack([plan.field.places(), plan.field.z.ravel()]))
     paths = [paths[i] for i in np.linspace(0, len(paths) - 1, PASSES).astype(int)]
     times = []
-    for path in fit_paths(part, BALL, TOLERANCE, paths):
+    for path in fit_paths(Fitting(part, BALL, TOLERANCE), paths):
         curve = path.curve
         ways = [
             nl.interchange.blend(_chords(path.points, share * half), tolerance=(1 - share) * half)
