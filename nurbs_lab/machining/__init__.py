@@ -10,10 +10,10 @@ Of a scan of 30 mm (the spleen, scallop 0.1) are the rows with one star, of a wa
 =======================================  =======  =============  =============
 constant (module)                        value    half           twice
 =======================================  =======  =============  =============
-CUSP (finish), of the scallop            0.65     +17, -29       at 0.95 -14, -51
-SAMPLES (finish), of the step-over       0.25     -4, -3         -9, -20
-SUSPECT (finish), of the scallop         0.75     +1, +6 *       -14, -29; at twice 1.7 scallops are left
-FINER (finish)                           4        -5, -10 *      +4, +19; at half 1.07 scallops are left
+CUSP (finish), of the scallop            0.65     +14, -14 *     at 0.95 -12, -10 *; 1.12 scallops are left
+SAMPLES (finish), of the step-over       0.25     +2, +2 *       -12, -33 *; 1.12 scallops are left
+SUSPECT (finish), of the scallop         0.75     -4, -6 *       at 1 -9, -19 *; 1.13 left, at twice 1.24
+FINER (finish)                           4        -8, -17 *      -3, -6 *; at half 1.05 scallops are left
 FIT (fit), of the tolerance              0.4      0, 0           at 0.48 +5, +8
 FAR (fit), of the tolerance              0.92     at 0.85 0, +4  at 0.98 0, +1
 SHORTEST (fit), tolerances               0.1      0, 0           -1, +1
@@ -24,7 +24,7 @@ FIRST_LEVEL (passes), tolerances         0.45     0, +1          0, -13
 GAP (passes), diameters                  1        0, +1; at 0 up to +10 moves elsewhere
 GRID (passes), nodes a diameter          24       0, -39         0, 0
 WIDTH (passes), step-overs               0.5      -12, -40       +3, -38
-APART (passes), step-overs               0.5      +2, +4 *       0, +4 *
+APART (passes), step-overs               0.5      0, 0 *         0, 0 *; of 20 µm scallop +2, +4 and 0, +4
 SAME (passes), tolerances                0.1      0, 0           +4, +2; at 0 +6, -6 *
 NEAR (passes), of the step-over          0.25     0, 0           0, 0; without it bites of 19 mm, not 9 *
 LEVEL_STEP (passes), of the flat disc    1.2      +68, +57       +488, +474; of a block by a flat cutter
