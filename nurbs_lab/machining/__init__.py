@@ -58,16 +58,16 @@ SLACK (rough), of the step down          0.05     -8, -6 *       +33, +6 ***; of
 
 Limits of work and of memory; the first two change nothing at half and at twice, at the others an error is
 raised, cells become larger, or a search ends: RAISES 145 points of a link; FINEST_SAMPLES (finish) 1/64 of a
-diameter; ROUNDS (fit) 5; TOGETHER (fit) 16 paths a thread; HALVINGS 30 and _ROUNDS 60, where bisection and
-Newton's method are at rounding; MOST_NODES 5e7 and MOST_OF_TIPS 5e6 (field), of 8 and 500 bytes; MOST_LEVELS
-(rough) 2,000; MOST_CELLS (stock) 4e6; MOST_SAMPLES 1e7 (surface) and, by default, 2.5e6 (verify); WARN_CELLS
-16 a diameter and WARN_MOST 1e6 (simulate), as coarse as contacts still show.
+diameter; ROUNDS (fit) 5; TOGETHER 16 paths (fit), 65,536 samples (surface); HALVINGS 30 and _ROUNDS 60, where
+bisection and Newton's method are at rounding; MOST_NODES 5e7 and MOST_OF_TIPS 5e6 (field), of 8 and 500
+bytes; MOST_LEVELS (rough) 2,000; MOST_CELLS (stock) 4e6; MOST_SAMPLES 1e7 (surface) and, by default, 2.5e6
+(verify); WARN_CELLS 16 a diameter and WARN_MOST 1e6 (simulate), as coarse as contacts still show.
 
 Of rounding are ROUNDING 1e-12 of coordinates, ABOVE (rough) 1e-6 diameters, UPRIGHT 1e-9 and UNDERCUT 1e-6 of
 a unit normal, LEVEL (passes) 1e-7, BESIDE (surface) 1e-6 mm, FINEST (finish) 1e-6 of the part, INSIDE (stock)
-0.01 cells, TOGETHER_MM 1e-9 mm, PUSHED 2e-5 of the radius, and STEEP 4, the slope below which heights are not
-told apart (of * the moves +1 at half and +6 at twice, the length 0). TESSELLATION of NURBS parts is 1e-3 mm:
-a torus of radii 2 and 1 mm has 5e5 triangles, as many at half, and 1.3e5 at twice.
+0.01 cells, TOGETHER_MM 1e-9 mm, PUSHED 2e-5 of the radius, and STEEP 4, the slope beyond which heights are
+not told apart (of * 0, 0). TESSELLATION of NURBS parts is 1e-3 mm: a torus of radii 2 and 1 mm has 5e5
+triangles, as many at half, and 1.3e5 at twice.
 
 Spacings of the instruments: TIP_SPACING (stock) 0.5 cells; SPACING 0.006 and SAMPLES 0.03 diameters, but
 LEAST_SAMPLES 2e4 on a part, and TIMES 10 a control point (verify). Definitions: HALF, half the diagonal of a

@@ -141,13 +141,32 @@ def _touch_of_torus(d, slope, a, r):
 
 
 @kernel
+def inside(square, height, shape):
+    """Whether a point at this height over the tip and squared distance from the axis is in the cutter.
+
+    Rounding may count a point beside the cutter as inside.
+    """
+    a, r, c, w = shape
+    square *= 1.0 - ROUNDING
+    if height <= 0.0 or square > w * w:
+        return False
+    if square <= a * a:
+        return True
+    if c < np.inf:
+        return height >= rise(np.sqrt(square), shape)
+    wide = r * r if height >= r else height * (2.0 * r - height)  # square of how wide the corner is there
+    if a > 0.0:
+        square = (np.sqrt(square) - a) ** 2
+    return square <= wide
+
+
+@kernel
 def may_stop(body, f, x, y, z, shape):
     """Whether triangle f may stop a tip at (x, y, z): its box intersects the cutter, or nearly."""
     p = body[0]
     dx = max(min(p[f, 0], p[f, 3], p[f, 6]) - x, x - max(p[f, 0], p[f, 3], p[f, 6]), 0.0)
     dy = max(min(p[f, 1], p[f, 4], p[f, 7]) - y, y - max(p[f, 1], p[f, 4], p[f, 7]), 0.0)
-    square, height = (dx * dx + dy * dy) * (1.0 - ROUNDING), max(p[f, 2], p[f, 5], p[f, 8]) - z
-    return height > 0.0 and square <= shape[3] ** 2 and height >= rise(np.sqrt(square), shape)
+    return inside(dx * dx + dy * dy, max(p[f, 2], p[f, 5], p[f, 8]) - z, shape)
 
 
 @kernel

@@ -3,58 +3,48 @@
 import numpy as np
 
 from nurbs_lab.common.kernels import ZERO, compiled, kernel
-from nurbs_lab.machining._kernels_contact import ROUNDING, may_stop, over_triangle, rise
+from nurbs_lab.machining._kernels_contact import inside, may_stop, over_triangle
 
 PUSHED = 2e-5  # fraction of the radius: how precisely a cutter is pushed against the part
-STEEP = 4.0  # lower heights than by this slope below the level are not told apart
+STEEP = 4.0  # heights farther from the level than by this slope are not told apart
 HALVINGS = 30  # of a depth
 
 
 @kernel
-def bound(body, node, x, y, shape, best):
-    """Upper bound of the height of the tip at (x, y) over anything in the box.
-
-    A bound that is not above ``best`` may be replaced by any number up to ``best``.
-    """
-    boxes, w = body[3], shape[3]
-    if boxes[node, 5] <= best:
-        return best
+def holds(body, node, x, y, z, shape):
+    """Whether anything in the box may stop a tip at (x, y, z)."""
+    boxes = body[3]
     dx = max(boxes[node, 0] - x, x - boxes[node, 3], 0.0)
     dy = max(boxes[node, 1] - y, y - boxes[node, 4], 0.0)
-    square, reach = dx * dx + dy * dy, w * (1.0 + ROUNDING)
-    return boxes[node, 5] - rise(np.sqrt(square), shape) if square <= reach * reach else best
+    return inside(dx * dx + dy * dy, boxes[node, 5] - z, shape)
 
 
 @compiled
 def highest(x, y, best, enough, held, body, shape, waiting):
     """The larger of ``best`` and the height of the tip over the part at (x, y), and the triangle below it.
 
-    Triangle ``held`` is looked at first, then boxes in the order of their bounds, the highest first. The
-    search ends when the height is more than ``enough``. ``waiting (2, 128)`` is room to work in.
+    Triangle ``held`` is looked at first, then boxes, the higher one of two first. The search ends when the
+    height is more than ``enough``. ``waiting (128,)`` is room to work in.
     """
     p, boxes, leaf = body[0], body[3], body[4]
     leaves = (len(boxes) + 1) // 2
-    nodes, bounds = waiting
     best = over_triangle(body, held, x, y, shape, best)
-    nodes[0], bounds[0], depth = 0, bound(body, ZERO, x, y, shape, best), 1
+    waiting[0], depth = 0, 1
     while depth and best <= enough:
         depth -= 1
-        node = int(nodes[depth])
-        if bounds[depth] <= best:
+        node = waiting[depth]
+        if not holds(body, node, x, y, best, shape):
             continue
-        if node >= leaves - 1:
-            start = (node - leaves + 1) * leaf
-            for f in range(start, min(start + leaf, len(p))):
-                height = over_triangle(body, f, x, y, shape, best)
-                if height > best:
-                    best, held = height, f
+        if node < leaves - 1:
+            lower = int(boxes[2 * node + 1, 5] > boxes[2 * node + 2, 5])
+            waiting[depth], waiting[depth + 1] = 2 * node + 1 + lower, 2 * node + 2 - lower
+            depth += 2
             continue
-        one, two = 2 * node + 1, 2 * node + 2
-        under_one, under_two = bound(body, one, x, y, shape, best), bound(body, two, x, y, shape, best)
-        if under_one > under_two:
-            one, two, under_one, under_two = two, one, under_two, under_one
-        nodes[depth], bounds[depth], nodes[depth + 1], bounds[depth + 1] = one, under_one, two, under_two
-        depth += 2
+        start = (node - leaves + 1) * leaf
+        for f in range(start, min(start + leaf, len(p))):
+            height = over_triangle(body, f, x, y, shape, best)
+            if height > best:
+                best, held = height, f
     return best, held
 
 
@@ -64,7 +54,7 @@ def drop(xy, body, shape, out):
 
     Successive points are usually close together, so the triangle that stopped the last one comes first.
     """
-    waiting, held = np.empty((2, 128)), ZERO
+    waiting, held = np.empty(128, np.int64), ZERO
     for i in range(len(xy)):
         out[i], held = highest(xy[i, 0], xy[i, 1], -np.inf, np.inf, held, body, shape, waiting)
 
@@ -80,7 +70,7 @@ def around(x, y, level, body, shape, found):
     while depth:
         depth -= 1
         node = stack[depth]
-        if bound(body, node, x, y, shape, level) <= level:
+        if not holds(body, node, x, y, level, shape):
             continue
         if node < leaves - 1:
             stack[depth], stack[depth + 1] = 2 * node + 1, 2 * node + 2
@@ -95,10 +85,12 @@ def around(x, y, level, body, shape, found):
 
 
 @kernel
-def over_some(near, x, y, body, shape, best):
-    """The larger of ``best`` and the height of the tip at (x, y) over these triangles."""
+def over_some(near, x, y, body, shape, best, most):
+    """Height of the tip at (x, y) over these triangles, not below ``best`` and not above ``most``."""
     for f in near:
         best = over_triangle(body, f, x, y, shape, best)
+        if best >= most:
+            return most
     return best
 
 
@@ -109,7 +101,7 @@ def collides(tips, starts, body, cutter, farther, out):
     Row i is ``tips[starts[i] : starts[i + 1]]``. A cutter is its shape and by how much it is higher; the
     other may be None.
     """
-    waiting, held = np.empty((2, 128)), ZERO
+    waiting, held = np.empty(128, np.int64), ZERO
     for i in range(len(out)):
         out[i] = False
         for k in range(starts[i], starts[i + 1]):
@@ -137,18 +129,18 @@ def push(free, stuck, level, body, shape, out):
         x, y, z, out[i] = free[i, 0], free[i, 1], level[i], np.nan
         dx, dy = stuck[i, 0] - x, stuck[i, 1] - y
         size = np.sqrt(dx * dx + dy * dy)
-        fine, least = PUSHED * w / max(size, PUSHED * w), z - STEEP * size
+        fine, least, most = PUSHED * w / max(size, PUSHED * w), z - STEEP * size, z + STEEP * size
         wider = a + size / 2, r, c, w + size / 2
         near = found[: around(x + dx / 2, y + dy / 2, z, body, wider, found)]
         low, way, side = 0.0, 1.0, 0
-        above = over_some(near, x + dx, y + dy, body, shape, z)
-        below = over_some(near, x, y, body, shape, least)
+        above = over_some(near, x + dx, y + dy, body, shape, z, most)
+        below = over_some(near, x, y, body, shape, least, most)
         if below > z or above <= z:
             continue
         while way - low > fine:
             middle = low + (way - low) * (z - below) / (above - below)
             middle = min(max(middle, low + 0.5 * fine), way - 0.5 * fine)
-            height = over_some(near, x + middle * dx, y + middle * dy, body, shape, least)
+            height = over_some(near, x + middle * dx, y + middle * dy, body, shape, least, most)
             if height > z:
                 way, above = middle, height
                 below = z - (z - below) * (0.5 if side > 0 else 1.0)
@@ -163,7 +155,7 @@ def push(free, stuck, level, body, shape, out):
 @compiled
 def depths(tips, body, shape, out):
     """How much smaller all round a cutter must be not to cut into the part, by bisection."""
-    waiting, held, (a, r, c, w) = np.empty((2, 128)), ZERO, shape
+    waiting, held, (a, r, c, w) = np.empty(128, np.int64), ZERO, shape
     for i in range(len(tips)):
         x, y = tips[i, 0], tips[i, 1]
         low, high = 0.0, w

@@ -6,13 +6,14 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from nurbs_lab.common.checks import lengths
-from nurbs_lab.common.threads import over_blocks
+from nurbs_lab.common.threads import over_blocks, over_slices
 from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.drop import NEEDLE, Contact
 from nurbs_lab.machining.field import require_size
 
 BESIDE = 1e-6  # mm: distance from vertical walls, so that rounding does not lift the cutter onto them
 MOST_SAMPLES = 1e7
+TOGETHER = 65536  # samples that are made at once
 ROBERTS = np.array([[0.7548776662466927], [0.5698402909980532]])  # 1 / g and 1 / g**2, g**3 = g + 1
 VALLEY = 1.0  # steps of a grid: so much lower a tip near a node is in a valley that the grid misses
 UNDERCUT = 1e-6  # a unit normal that points down by more belongs to an undercut
@@ -47,18 +48,29 @@ def sample_surface(part, spacing, near=None, within=np.inf) -> Samples:
     undercut = float(areas[~up].sum())
     if near is not None:
         near, middles = cKDTree(near), corners.mean(axis=1)
-        up &= near.query(middles)[0] <= lengths(corners - middles[:, None]).max(axis=1) + within
+        most = lengths(corners - middles[:, None]).max(axis=1) + within
+        up &= near.query(middles, distance_upper_bound=2.0 * most.max())[0] <= most
     ends = np.cumsum(areas[up])
     whole = ends[-1] if len(ends) else 0.0
     require_size(whole / spacing**2, MOST_SAMPLES, "scallop or spacing is too small", "samples of the part")
     count = int(np.ceil(whole / spacing**2))
-    share, number = whole / max(count, 1), np.arange(count)
-    triangle = np.searchsorted(ends, (number + 0.5) * share)
-    u, v = np.modf(0.5 + number * ROBERTS)[0]
-    u, v = np.where(u + v > 1.0, (1.0 - u, 1.0 - v), (u, v))[..., None]
-    a, b, c = corners[up][triangle].swapaxes(0, 1)
-    samples = Samples(a + u * (b - a) + v * (c - a), outward[up][triangle], share, undercut)
-    return samples if near is None else samples[near.query(samples.points)[0] <= within]
+    share, corners, outward = whole / max(count, 1), corners[up], outward[up]
+
+    def block(start):
+        number = np.arange(start, min(start + TOGETHER, count))
+        triangle = np.searchsorted(ends, (number + 0.5) * share)
+        u, v = np.modf(0.5 + number * ROBERTS)[0]
+        u, v = np.where(u + v > 1.0, (1.0 - u, 1.0 - v), (u, v))[..., None]
+        a, b, c = corners[triangle].swapaxes(0, 1)
+        points = a + u * (b - a) + v * (c - a)
+        if near is not None:
+            keep = near.query(points, distance_upper_bound=2.0 * within)[0] <= within
+            points, triangle = points[keep], triangle[keep]
+        return points, outward[triangle]
+
+    done = over_slices(block, range(0, max(count, 1), TOGETHER), "sampling")
+    points, normals = (np.concatenate(some) for some in zip(*done, strict=True))
+    return Samples(points, normals, share, undercut)
 
 
 def tips_over(touch, samples):
