@@ -67,8 +67,8 @@ are left without a bound; with _KEPT 0.05 instead of 0.2 it takes 1.5 to 1.9 tim
 Definitions: the coefficients of formulas (BASHFORTH, MOULTON), how many points and slopes they take (_POINTS
 5, _SLOPES 4), quadratures (_NODES, _WEIGHTS), where `_verify` looks in a cell (_INSIDE), the steppers
 (STEPPERS, _STEPPERS, _ROWS), the kinds of them (TAYLOR, RUNGE_KUTTA, SLOPES, EXACT, MENDED, NEWER, PLUS,
-MINUS), and the names of limits (NAMES, VECTOR, _BY_SPEED, _ALONG, _OF_PARTS, KEPT), of the arrays of a scan
-(ROWS) and of files (_STORED).
+MINUS), names of limits (NAMES, VECTOR, _BY_SPEED, _ALONG, _LOWERED, _POWERS, KEPT), of the arrays of a
+scan (ROWS) and of files (_STORED).
 
 Rules that were switched off in turn (2026-11), on 67 or 68 parts: random splines of degrees 1 to 5, kinks
 from 1e-9 to 1 rad, rasters, a rounded rectangle, a smoothed part, programs, the paper's curve and the

@@ -40,7 +40,7 @@ class Relaxation:
             half * first[..., 1] - mean,
             half * last[..., 1] + mean,
         )
-        along = np.tile(np.array([0.0, 0.0, -0.5, 0.5]) / block.jerk, (n, 1, 1))
+        along = np.array([0.0, 0.0, -0.5, 0.5]) / block.jerk[:, None, None]
         self.changes = np.concatenate([along, np.stack(turns, axis=2)], axis=1)
         self.rows = self.changes @ self.ends
 

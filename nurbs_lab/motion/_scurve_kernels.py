@@ -42,7 +42,7 @@ def potential(problem, middle, weight, squares, slopes):
         before, speed = speed, sqrt(squares[i + 1])
         total += 2.0 * widths[i] / (before + speed)
         second = (slopes[i + 1] - slopes[i]) / widths[i]
-        part = second / (2.0 * jerk)
+        part = second / (2.0 * jerk[i])
         first, last = 1.0 - part * part * squares[i], 1.0 - part * part * squares[i + 1]
         if not (first > 0.0 and last > 0.0):
             return np.inf
@@ -107,7 +107,7 @@ def _model(grid, problem, middle, weight, squares, slopes, padded):
     for i in range(1, middle.size):
         _add_node(grid, nodes, weight, i, (squares[i], slopes[i]), padded)
     for i in range(middle.size):
-        _add_cell(grid, jerk, weight, i, slopes[i + 1] - slopes[i], padded)
+        _add_cell(grid, jerk[i], weight, i, slopes[i + 1] - slopes[i], padded)
         if turns.shape[1]:
             _add_turns(grid, turns, weight, i, squares, slopes, padded)
         room = 1.0 / middle[i]

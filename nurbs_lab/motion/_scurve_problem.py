@@ -33,7 +33,8 @@ class Block:
     turns : ndarray, shape (n, rows, 3)
         ``|turns @ (second derivative of v², slope, v²)| v < 1`` keeps the jerks of axes; even rows hold
         at the start of the cell, odd ones at its end.
-    jerk : float
+    jerk : ndarray, shape (n,)
+        Largest jerk along the path in every cell.
     speeds : tuple of float
         At both ends, where the acceleration is zero.
     ramp_times : tuple of float
@@ -51,7 +52,7 @@ class Block:
     steepest: np.ndarray
     kappas: np.ndarray
     turns: np.ndarray
-    jerk: float
+    jerk: np.ndarray
     speeds: tuple
     ramp_times: tuple
     ramp_jerks: tuple

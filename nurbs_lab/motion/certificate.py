@@ -84,4 +84,5 @@ def _without_jerk(track, limits, ends):
 
 def _relaxed(path, factor, finer=1.0):
     """The path with limits a little higher: those of speed by what the samples hide, the others more."""
-    return replace(path, parts=path.parts * (1.0 + 2.0 * SCAN_TOLERANCE / finer) * (1.0, factor, factor))
+    hidden = 1.0 + 2.0 * SCAN_TOLERANCE / finer
+    return replace(path, parts=path.parts * (hidden, hidden * factor, hidden * factor, 1.0))

@@ -16,7 +16,7 @@ def sampled(limits, curve, u, lengths, tangents, curvatures):
     """Rows of a `Scan` at places of the path."""
     table = limits.speed_table(tangents, curvatures)[:-1]
     causes = np.array(limits.names, dtype=object)[table.argmin(axis=0)]
-    rows = np.ones((len(u), 3)), np.full(len(u), limits.speed)
+    rows = np.ones((len(u), 4)), np.full(len(u), limits.speed)
     values = curve, u, lengths, table.min(axis=0), causes, tangents, curvatures, *rows
     return dict(zip(ROWS, values, strict=True))
 

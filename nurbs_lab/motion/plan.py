@@ -19,10 +19,11 @@ _TIGHTENINGS = 4
 _ROUNDS = 12
 #: A limit may be exceeded by this part in speed, for what rounding leaves in short segments.
 _ROUNDED = 1e-7
-#: Limits that the planned motions keep everywhere but for rounding.
-_ALONG = "acceleration", "jerk"
-#: Column of `Scan.parts` for limits that are not of speed; column k limits its power k + 1.
-_OF_PARTS = {VECTOR: 1, "axis_acceleration": 1, "axis_jerk": 2}
+#: Columns of `Scan.parts` that are lowered where a limit is exceeded, and the power of the speed of each.
+_LOWERED = {VECTOR: (0, 1), "axis_acceleration": (0, 1), "axis_jerk": (0, 2), "jerk": (3,)}
+_POWERS = 1, 2, 3, 3
+#: A limit that planned motions keep everywhere but for rounding.
+_ALONG = "acceleration"
 #: Factor of a limit that is cured by slowing down the whole motion instead of planning it again; a motion
 #: that is planned again is slower by as much more.
 _TOLERATED = 1.0 + 1e-5
@@ -132,7 +133,7 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
         slower = (gone or 0.0) + profile.duration * np.array([1.0, factor])
         whole = np.ceil(slower / limits.period_s - 1e-9)
         costs = gone is None or ends.any() or whole[1] > whole[0]  # to slow it down
-        if costs and (left or again) and any(row[3].max() > most for row in found if row[0] not in _ALONG):
+        if costs and (left or again) and any(row[3].max() > most for row in found if row[0] != _ALONG):
             path, left = _tightened(path, found), max(left - 1, 0)
             motion = _motion(path, limits, ends, fineness)
             slowed = slowed and motion.profile.duration <= profile.duration
@@ -157,14 +158,14 @@ def _tightened(path, found):
     """The path with lower limits wherever the motion was too fast."""
     parts = path.parts.copy()
     for name, start, stop, factors in found:
-        if name in _ALONG:
+        if name == _ALONG:
             continue
         first = np.maximum(np.searchsorted(path.lengths, start) - 1, 0)
         last = np.searchsorted(path.lengths, stop) + 1
         for k in np.flatnonzero(factors > 1.0):
             near = slice(first[k], last[k])
-            for column in {0, _OF_PARTS.get(name, 0)}:
-                lower = path.parts[near, column] / (factors[k] * _TOLERATED) ** (column + 1)
+            for column in _LOWERED.get(name, (0,)):
+                lower = path.parts[near, column] / (factors[k] * _TOLERATED) ** _POWERS[column]
                 parts[near, column] = np.minimum(parts[near, column], lower)
     return replace(path, parts=parts)
 

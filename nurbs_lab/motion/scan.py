@@ -45,8 +45,9 @@ class Scan:
     tangents, curvatures : ndarray, shape (n, dim)
         Unit tangents and curvature vectors. Where these jump at a knot and accelerations are limited, two
         samples have the same length, one for each side.
-    parts : ndarray, shape (n, 3)
-        Parts of the limits of speed, of acceleration and of the jerk of axes that a plan may use there.
+    parts : ndarray, shape (n, 4)
+        Parts of the limits of speed, of acceleration, of the jerk of axes and of that along the path that a
+        plan may use there.
     tops : ndarray, shape (n,)
         The limit of speed that the curve has of its own.
     kinks : ndarray, shape (k, 1 + dim)

@@ -101,24 +101,31 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     nodes = _nodes(path, limits, speeds, short, (lengths, squares), fineness)
     nodes = _through(_through(nodes, np.unique(path.zones[:, :2])), jumps)
     accelerations, signs = most * ramp_times, np.array([1.0, -1.0])
-    fast = speeds + 0.5 * most * ramp_times**2
-    ends = np.ravel(np.column_stack([fast**2, 2.0 * signs * accelerations]))
+    ends = (speeds + 0.5 * most * ramp_times**2) ** 2
+    ends = np.ravel(np.column_stack([ends, 2.0 * signs * accelerations]))
     of_nodes = _limits_on(path, limits, nodes, speeds, fineness.margin)
     of_ends = map(tuple, (speeds, ramp_times, most))
-    block = Block(nodes, ends, *of_nodes, limits.jerk, *of_ends)
+    block = Block(nodes, ends, *of_nodes, *of_ends)
+    return block, min(_guesses(block, limits, slow, gentle), key=block.infeasibility)
+
+
+def _guesses(block, limits, slow, gentle):
+    """Motions that may keep the limits: to a slow speed, gently and steeply, and from end to end."""
+    nodes, ends = block.nodes, block.ends
     away = nodes - nodes[0], nodes[-1] - nodes
-    guess = np.full(len(nodes) - 1, slow * slow)  # from both ends to the slow speed
-    for s, v, a, jerk in zip(away, fast, accelerations, most, strict=True):
-        leaving = partial(_ramp, v, a, slow, 0.5 * gentle, 0.5 * jerk)
-        guess += _ordinates(leaving, s) - slow * slow
-    lower = int(fast[1] < fast[0])
-    leaving = partial(_ramp, fast[lower], accelerations[lower], fast[1 - lower])
-    steep = 6.0 / 7.0  # straight from end to end; on an even grid the spline takes up to 7/6 of the jerk
-    direct = _ordinates(partial(leaving, steep * limits.acceleration, steep * limits.jerk), away[lower])
-    for middle in (guess, direct):
-        middle[0] = ends[0] + 0.5 * ends[1] * (nodes[1] - nodes[0])
-        middle[-1] = ends[2] - 0.5 * ends[3] * (nodes[-1] - nodes[-2])
-    return block, min(guess, direct, key=block.infeasibility)
+    speeds, accelerations = np.sqrt(ends[::2]), 0.5 * np.abs(ends[1::2])
+    steep = 6.0 / 7.0 * np.array([limits.acceleration, limits.jerk])  # a spline may take 7/6 of it
+    lower = int(speeds[1] < speeds[0])
+    leaving = partial(_ramp, speeds[lower], accelerations[lower], speeds[1 - lower], *steep)
+    guesses = [_ordinates(leaving, away[lower])]
+    for parts in ([(0.5 * gentle, 0.5 * jerk) for jerk in block.ramp_jerks], [steep, steep]):
+        rows = zip(away, speeds, accelerations, parts, strict=True)
+        ramps = [_ordinates(partial(_ramp, v, a, slow, *part), s) for s, v, a, part in rows]
+        guesses.append(ramps[0] + ramps[1] - slow * slow)
+    for guess in guesses:
+        guess[0] = ends[0] + 0.5 * ends[1] * (nodes[1] - nodes[0])
+        guess[-1] = ends[2] - 0.5 * ends[3] * (nodes[-1] - nodes[-2])
+    return guesses
 
 
 def _through(nodes, places):
@@ -138,7 +145,7 @@ def _through(nodes, places):
 
 
 def _limits_on(path, limits, nodes, speeds, margin):
-    """The limits that `Block` holds, from caps to turns, all of the true curve at both ends of every cell."""
+    """The limits that `Block` holds, from caps to jerk, all of the true curve at both ends of every cell."""
     half = 0.5 * (nodes[1:] + nodes[:-1])
     sides = [path.geometry(at, half)[1:] for at in (nodes[:-1], nodes[1:])]
     parts = extremes_between(nodes, path.lengths, path.parts)[0]
@@ -177,7 +184,8 @@ def _limits_on(path, limits, nodes, speeds, margin):
         axis = ((1.0 - margin) * parts[:, 2] * near)[:, None] * limits.axis_jerk
         turns = np.stack([[0.5 * t / axis, 1.5 * n / axis, m / axis] for t, n, m in sides])
         turns = np.moveaxis(turns, (2, 3, 0, 1), (0, 1, 2, 3)).reshape(len(half), -1, 3)
-    return (caps * parts[:, 0]) ** 2, causes, along, across, limits.acceleration * room, kappas, turns
+    steepest, jerk = limits.acceleration * room, limits.jerk * parts[:, 3]
+    return (caps * parts[:, 0]) ** 2, causes, along, across, steepest, kappas, turns, jerk
 
 
 def _around_nodes(path, nodes, sides):
