@@ -190,7 +190,7 @@ def _drop(graph, size, repairs):
     areas = np.bincount(label, np.linalg.norm(face_normals(graph.vertices, graph.triangles), axis=1))
     tails, heads = (ends[many] for ends in tails_and_heads(graph.triangles))
     ends = np.sort(np.column_stack([tails, heads]), axis=1)
-    edge, sheet = np.unique(ends, axis=0, return_inverse=True)[1].ravel(), label[many // 3]
+    edge, sheet = np.unique(ends, axis=0, return_inverse=True)[1], label[many // 3]
     way = np.where(tails < heads, 1, -1)
     odd = np.flatnonzero(np.bincount(edge, way)[edge] == way)
     order = odd[np.lexsort((areas[sheet[odd]], edge[odd]))]
