@@ -30,12 +30,15 @@ def excesses(path, limits, profile):
     """
     profile = _without_rounding(profile, limits)
     found = _along(limits, profile)
-    by_chords = limits.chord_error is not None and profile.duration <= _MOST_CHORDS * limits.period_s
+    count = 1 + int(np.ceil(profile.duration / limits.period_s - 1e-9))
+    by_chords = limits.chord_error is not None and count <= 1 + _MOST_CHORDS
+    if by_chords:
+        periods = profile.displacement(np.linspace(0.0, profile.duration, max(count, 2)))
     for k, track in enumerate(path.tracks):
         if limits.of_the_curve:
             found += _at_places(track, path.origins[k], path.u[path.curve == k], limits, profile, by_chords)
         if by_chords:
-            found.append(_at_chords(track, path.origins[k], limits, profile))
+            found.append(_at_chords(track, path.origins[k], limits, periods))
     return [row for row in found if len(row[3])]
 
 
@@ -67,21 +70,21 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
     """Limits that depend on the curve: inside every cell of the path, and where two segments meet."""
     breaks = track.spans[0]
     ends = np.union1d(samples, breaks)
+    first = np.searchsorted(profile.terms[1:, 0], origin, side="right")
+    here = np.arange(first, np.searchsorted(profile.terms[1:, 0], origin + track.length))  # segments that end
+    met = profile.terms[1:, 0][here] - origin
     if limits.axis_jerk is not None:  # of which a segment may take more inside than at both ends
-        met = profile.terms[1:, 0] - origin
-        ends = np.union1d(ends, track.parameters_at(met[(met > 0.0) & (met < track.length)]))
+        ends = np.union1d(ends, track.parameters_at(met))
     seen = track, origin, limits, profile, by_chords
     wide = np.diff(ends) > 1e-12 * (breaks[-1] - breaks[0])  # in others rounding takes one side for the other
     places, rows = _in_cells(ends[:-1][wide], ends[1:][wide], *seen)
     nearer = _doubtful(places, rows)
     if len(nearer):
         rows += _in_cells(*nearer.T, *seen)[1]
-    met = profile.terms[1:, 0] - origin  # where two segments meet, seen from both of them
-    here = np.flatnonzero((met > 0.0) & (met < track.length))
     if limits.soft and limits.axis_jerk is None:
-        here = here[::3]  # of the three phases of a cell, along which only the jerk jumps
-    u = track.parameters_at(met[here])
-    s, (_, h, _, _, a, j) = met[here] + origin, profile.segments.T
+        here, met = here[::3], met[::3]  # of the three phases of a cell, along which only the jerk jumps
+    u = track.parameters_at(met)  # where two segments meet, seen from both of them
+    s, (_, h, _, _, a, j) = met + origin, profile.segments.T
     off = np.abs(u - breaks[np.clip(np.searchsorted(breaks, u), 1, None) - np.array([[1], [0]])]).min(axis=0)
     smooth = off > 1e-9 * (breaks[-1] - breaks[0])
     sides = [(here + 1, a[here + 1]), (here, a[here] + j[here] * h[here])]
@@ -155,12 +158,10 @@ def _off_the_joints(profile, lengths, times):
     return np.clip(t, t[:, :1] + near, t[:, -1:] - near).ravel()
 
 
-def _at_chords(track, origin, limits, profile):
-    """The chord error of every period on one curve."""
-    count = 1 + int(np.ceil(profile.duration / limits.period_s - 1e-9))
-    t = np.linspace(0.0, profile.duration, max(count, 2))
-    s = np.clip(profile.displacement(t) - origin, 0.0, track.length)
-    s = s[max(np.count_nonzero(s == 0.0) - 1, 0) : len(s) - max(np.count_nonzero(s == track.length) - 1, 0)]
+def _at_chords(track, origin, limits, periods):
+    """The chord error of every period on one curve, from the lengths at the ends of all periods."""
+    first, last = np.searchsorted(periods, [origin, origin + track.length], side="right") - [1, 0]
+    s = np.clip(periods[max(first, 0) : last + 1] - origin, 0.0, track.length)
     u = track.parameters_at(s)
     chords, errors = np.empty(len(u) - 1), np.empty(len(u) - 1)
     _kernels.chord_lengths_and_errors(track.spans, u, chords, errors)

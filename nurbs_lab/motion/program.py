@@ -139,19 +139,19 @@ class _Windows:
         self.clock += kept.duration
         self.path = None if last else self.path.rest(kept.length)
         self.speed = kept.speed(kept.duration)
-        while self.waiting and kept is not None:
-            curve, left = self.waiting.pop(0)
-            final = last and not self.waiting
-            if kept.length < left * (1.0 - 1e-9) and not final:
-                self.parts.append(kept)
-                self.waiting.insert(0, (curve, left - kept.length))
-                break
-            head, kept = kept, None
-            if head.length > left * (1.0 + 1e-9) and not final:
-                time = head.time_at(left)
-                head, kept = head.portion(0.0, time), head.portion(time, head.duration)
-            yield curve, replace(concatenate([*self.parts, head]), curve=curve)
+        lefts = np.array([left for _, left in self.waiting])
+        ends = np.cumsum(lefts)
+        count = len(ends) if last else np.count_nonzero(ends <= kept.length + 1e-9 * lefts)
+        times = np.append(0.0, kept.time_at(ends[:count]))
+        if last or (count and ends[count - 1] >= kept.length - 1e-9 * lefts[count - 1]):
+            times[count] = kept.duration
+        for start, stop in itertools.pairwise(times.tolist()):
+            curve, _ = self.waiting.pop(0)
+            yield curve, replace(concatenate([*self.parts, kept.portion(start, stop)]), curve=curve)
             self.parts = []
+        if times[count] < kept.duration:
+            self.parts.append(kept.portion(times[count], kept.duration))
+            self.waiting[0] = self.waiting[0][0], ends[count] - kept.length
 
 
 def plan_program(curves, limits=None, **given):
