@@ -24,13 +24,12 @@ rational cubic; a helix of one turn.
 ======================  ===========  =====================================  ==================================
 constant                value, unit  half                                   twice
 ======================  ===========  =====================================  ==================================
-smoothing.PROBES        10 places    9.4 µm of 10 reached, not 4.4          nothing
 smoothing.CORNER        20°          3 curves of a noisy wave, not 1        a zigzag of 23° is 1 curve, not 39
 smoothing.LONG          5            nothing                                nothing; none: sides in the spline
 smoothing.AROUND        8 tolerances 5 corners of noise stay (1: 46 do)     nothing
 smoothing.STRAIGHT      0.1          nothing                                nothing; 1: flat arcs become lines
-_pieces.MARGIN          0.9          24 control points of a smoothed wave,  (1: exceeded between the probes)
-                                     not 18; a cubic 36 arcs, not 32
+_pieces.MARGIN          0.9          25 control points of a noisy wave,     (1: exceeded between the probes)
+                                     not 21; a cubic 36 arcs, not 32
 HELIX_MM                1e-7         19 % more cubics of a helix            15 % fewer
 LEAST_RADIUS_MM         2.5e-3       LinuxCNC refuses arcs of 1 to 2 µm     nothing
 _gcode_shapes.APART     5 µm, 0.1 %  more arcs that miss their ends named   fewer named than LinuxCNC refuses
@@ -42,7 +41,7 @@ As in LinuxCNC: CLEAR_MM, FIRST_OF_MACHINE, LOCAL, SAME, WHOLE. Limits of work, 
 LARGEST, MOST_BLOCKS, MOST_CALLS, MOST_COORDINATE, MOST_HALVINGS, MOST_PECKS, MOST_PIECES, TRIALS,
 MEMORY_BYTES, MEMORY_PER_BYTE, PATIENCE_S, PATIENCE_S_PER_MB. Rounding of written numbers, half and twice of
 which change nothing: APART_MM, FINEST_MM, JOINS_MM, KNOT_DIGITS, WEIGHT_DIGITS; nor do those of PLACES and
-PROBES of pieces. EVEN only spares 40 % of the time of G5.2.
+both PROBES. EVEN only spares 40 % of the time of G5.2.
 """
 
 import importlib

@@ -22,7 +22,7 @@ CORNER = np.radians(20.0)  # a polyline that turns by more has a corner
 AROUND = 8.0  # tolerances: a point is a corner if the polyline turns between such places around it, too
 STRAIGHT = 0.1  # of the tolerance: points as near as that to their chord, or plane, are in it
 PROBES = 10  # places of every segment at which the spline is compared with it
-TRIALS = 5  # of a spline, each with half the tolerance of the last
+TRIALS = 5  # of a spline, each along one place more of every segment, and nearer
 
 
 def smooth(program_or_points, *, tolerance):
@@ -169,14 +169,20 @@ def _curve(points, tolerance):
 
 
 def _spline(points, tolerance):
-    """The cubic spline nearest to the points; None if no tolerance brings it near to the segments."""
-    start, chord, t = points[:-1, None], np.diff(points, axis=0)[:, None], lengths_along(points)[:, None]
-    parts = (np.arange(PROBES) + 0.5) / PROBES
+    """The cubic spline nearest to the segments; None if no trial brings it near to them."""
+    chord, t, near = np.diff(points, axis=0), lengths_along(points)[:, None], 0.5 * (1 + MARGIN)
+    probed = t[:-1] + np.diff(t, axis=0) * (np.arange(PROBES) + 0.5) / PROBES
     for trial in range(TRIALS):
-        curve = spline_along(points, MARGIN * tolerance * 0.5**trial)
-        probes = curve(t[:-1] + parts * np.diff(t, axis=0))
-        along = np.clip(((probes - start) * chord).sum(-1) / (chord**2).sum(-1), 0, 1)
-        if lengths(probes - start - along[..., None] * chord).max() <= 0.5 * (1 + MARGIN) * tolerance:
+        parts = np.arange(trial + 1)[:, None] / (trial + 1)
+        fine = np.vstack([(points[:-1, None] + parts * chord[:, None]).reshape(-1, 3), points[-1:]])
+        curve = spline_along(fine, MARGIN * tolerance * near**trial)
+        places, at = curve(probed.ravel()), np.repeat(np.arange(len(chord)), PROBES)
+        for beside in (0, -1, 1):  # those that are far from their own segment may be near to its neighbours
+            i = np.clip(at + beside, 0, len(chord) - 1)
+            along = np.clip(((places - points[i]) * chord[i]).sum(1) / (chord[i] ** 2).sum(1), 0, 1)
+            far = lengths(places - points[i] - along[:, None] * chord[i]) > near * tolerance
+            places, at = places[far], at[far]
+        if not len(at):
             return curve
     return None
 

@@ -38,6 +38,22 @@ def test_both_ways_within_the_tolerance(tolerance):
     assert len(curve.control_points) < len(points) / 5
 
 
+@pytest.mark.parametrize("sag", [0.003, 0.01, 0.03])
+def test_chords_as_far_from_their_curve_as_the_tolerance_become_one_curve(sag):
+    """A spline through the points of such chords is off their middles by as much as the chords are long for."""
+    count = int(np.ceil(4 / np.arccos(1 - sag / 20)))  # chords of a spiral of radius 15 to 25
+    angle = np.linspace(0, 8, count)
+    points = (20 + 5 * np.sin(angle / 5))[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    curve = nl.smooth(points, tolerance=0.01)
+    assert max(farthest([curve], points)) <= 0.0101
+    assert np.unique(curve.knots, return_counts=True)[1][1:-1].max() == 1  # no corner
+    limits = {"speed": 60.0, "acceleration": 1000.0, "period_s": 1e-3}
+    assert (
+        nl.plan_feed(curve, **limits).duration
+        < 1.1 * nl.plan_feed(nl.interchange.blend(points, tolerance=0.01), **limits).duration
+    )
+
+
 def test_a_spline_has_no_kink_of_curvature():
     curve = nl.smooth(wave(300), tolerance=0.01)
     knots = np.unique(curve.knots)[1:-1]
