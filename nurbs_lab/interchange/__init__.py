@@ -25,7 +25,6 @@ rational cubic; a helix of one turn.
 constant                value, unit  half                                   twice
 ======================  ===========  =====================================  ==================================
 smoothing.CORNER        20°          3 curves of a noisy wave, not 1        a zigzag of 23° is 1 curve, not 39
-smoothing.LONG          5            nothing                                nothing; none: sides in the spline
 smoothing.AROUND        8 tolerances 5 corners of noise stay (1: 46 do)     nothing
 smoothing.STRAIGHT      0.1          nothing                                nothing; 1: flat arcs become lines
 _pieces.MARGIN          0.9          25 control points of a noisy wave,     (1: exceeded between the probes)
@@ -40,8 +39,8 @@ SMALL_MM                1000         a plate of 0.6 m in whole mm is asked  a ho
 As in LinuxCNC: CLEAR_MM, FIRST_OF_MACHINE, LOCAL, SAME, WHOLE. Limits of work, of a file or of its reader:
 LARGEST, MOST_BLOCKS, MOST_CALLS, MOST_COORDINATE, MOST_HALVINGS, MOST_PECKS, MOST_PIECES, TRIALS,
 MEMORY_BYTES, MEMORY_PER_BYTE, PATIENCE_S, PATIENCE_S_PER_MB. Rounding of written numbers, half and twice of
-which change nothing: APART_MM, FINEST_MM, JOINS_MM, KNOT_DIGITS, WEIGHT_DIGITS; nor do those of PLACES and
-both PROBES. EVEN only spares 40 % of the time of G5.2.
+which change nothing: APART_MM, FINEST_MM, JOINS_MM, KNOT_DIGITS, WEIGHT_DIGITS; nor do those of LONG, PLACES
+and PROBES. EVEN only spares 40 % of the time of G5.2.
 """
 
 import importlib

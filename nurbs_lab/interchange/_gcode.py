@@ -136,11 +136,10 @@ def _lines(post, strokes, scale, title):
     if above:  # down by the feed where the first move cuts
         yield from post.straight(first[None], 60 * feed * scale) if feed else post.rapid(first[None])
     for kind, curve, feed in strokes:
-        curve = curve.transform(scale * np.eye(curve.dim))
         if curve.degree > 1:
-            yield from post.curve(curve, 60 * feed * scale)
+            yield from post.curve(curve.transform(scale * np.eye(curve.dim)), 60 * feed * scale)
             continue
-        points = curve.clamped().control_points
+        points = scale * curve.clamped().control_points
         yield from post.rapid(points[1:]) if kind == "rapid" else post.straight(points, 60 * feed * scale)
     if post.setup:
         yield from post.rapid(_from_above(post, post.position[None])[:1])

@@ -74,7 +74,7 @@ class Commands(Shapes):
                 raise ValueError("M98 has an axis beside it; give the call its own block")
             self.flow.call_program(int(block.pop("P", 0)), int(block.pop("L", 1)))
         if not self.due:
-            self.ended |= self.flow.end_program() if number == 99 else number in (2, 30)
+            self.ended |= self.flow.end_program() if number == 99 else number in (2, 17, 30)
 
     def _word(self, code, block, chosen, owned):
         """Do what a G word says, or return its motion; note its group and its letters."""
@@ -110,7 +110,7 @@ class Commands(Shapes):
 
     def _hole(self, code, value, taken, block):
         """A cycle of Siemens or Heidenhain, whose holes are elsewhere; without a value it ends."""
-        if value and not {"R", "Z", "L"} <= taken.keys():
+        if value and not set("RZIL") <= taken.keys():
             raise ValueError(f"G{code / 10:g} is no word that this reader knows; mend it")
         self.holes = value and (value, taken)
         self.due = taken.get("P") == 1

@@ -11,14 +11,14 @@ HOLES |= dict.fromkeys(("87", "88", "202"), "86") | dict.fromkeys(("206", "207")
 
 
 def hole_of_siemens(found):
-    """A cycle with its heights R, Z and L, peck Q and feed F, called once, P1, or by each move, P2."""
+    """A cycle: heights R, Z, L, and I above the surface, peck Q, feed F; called once, P1, or by moves, P2."""
     given = {
         i: float(text) for i, text in enumerate(found[3].split(",")) if re.fullmatch(NUMBER, text.strip())
     }
     call, code, _ = found.groups()
     surface = given.get(1, 0.0)
-    words = {"R": surface + given.get(2, 0.0), "Z": given.get(3, surface - abs(given.get(4, 0.0)))}
-    words["L"] = given.get(0)
+    words = {"I": given.get(2, 0.0), "Z": given.get(3, surface - abs(given.get(4, 0.0))), "L": given.get(0)}
+    words["R"] = surface + words["I"]
     if code == "83":
         words["Q"] = surface - given[5] if 5 in given else given.get(6)
         code = "83" if given.get(11) else "73"
@@ -33,10 +33,10 @@ def hole_of_heidenhain(found):
     """A cycle of Heidenhain, which M99 calls; K is the pitch of a thread."""
     given = {int(key): float(value) for key, value in re.findall(rf"Q(\d+)\s*=\s*({NUMBER})", found[2])}
     surface = given.get(203, math.nan)
-    heights = {"R": surface + given.get(200, math.nan), "Z": surface + given.get(201, math.nan)}
-    level = {"L": surface + max(given.get(200, 0.0), given.get(204, 0.0))}
+    heights = {"I": given.get(200, math.nan), "Z": surface + given.get(201, math.nan)}
+    heights |= {"R": surface + heights["I"], "L": surface + max(heights["I"], given.get(204, 0.0))}
     others = {letter: given[key] for letter, key in (("Q", 202), ("F", 206), ("K", 239)) if key in given}
-    return _hole(found, found[1], heights | level | others | {"P": 0.0})
+    return _hole(found, found[1], heights | others | {"P": 0.0})
 
 
 def _hole(found, code, words):

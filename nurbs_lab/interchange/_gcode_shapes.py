@@ -255,7 +255,8 @@ class Shapes:
         elif level > top and not self.retract:
             why = "without G98 or G99, and comes back to where it began, as after G98"
             self.left_out[f"G{self.cycle}", why] += 1
-        steps = math.ceil((top - bottom) / hole["Q"] - 1e-9) if peck else 1
+        first = top - hole.get("I", 0.0)  # the surface from which Siemens and Heidenhain count their pecks
+        steps = math.ceil((first - bottom) / hole["Q"] - 1e-9) if peck else 1
         if not (0 <= times == int(times) and times * max(steps, 1) <= MOST_PECKS) or bottom > top:
             raise ValueError(f"its hole is above R, or takes more than {MOST_PECKS} steps; mend it")
         if not known or self.level < top:
@@ -269,10 +270,10 @@ class Shapes:
             self._add(end, known, rapid=True)
             self._along(axis, top)
             for step in range(1, steps):
-                self._along(axis, top - step * hole["Q"], rapid=False)
+                self._along(axis, first - step * hole["Q"], rapid=False)
                 if peck == "top":
                     self._along(axis, top)
-                self._along(axis, top - step * hole["Q"] + CLEAR_MM)
+                self._along(axis, first - step * hole["Q"] + CLEAR_MM)
             self._along(axis, bottom, rapid=False)
             if slowly:
                 self._along(axis, top, rapid=False)
@@ -287,7 +288,7 @@ class Shapes:
             self.feed = self._by_turn(words["K"] * self.unit)
         elif "F" in words:
             self._set_feed(words["F"])
-        self.cycle, self.hole, self.retract, self.absolute = cycle, {}, "level", True
+        self.cycle, self.hole, self.retract, self.absolute = cycle, {"I": words["I"]}, "level", True
         self.level = self._absolute(axis, words["L"])
         self._drill({AXES[axis]: words["Z"]} | {letter: words[letter] for letter in "RQ" if letter in words})
         vars(self).update(before)

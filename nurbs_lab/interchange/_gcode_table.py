@@ -17,7 +17,7 @@ GROUPS = SETTINGS | {"motion", "unit", "system", "shift", "path"}  # of whose wo
 G_WORDS = {
     **dict.fromkeys((220, 230, 250, 260), ("note", "a limit, and left out", ALL_AXES + "IJKPQRS")),
     **dict.fromkeys((110, 500), ("nothing", "alone", "S")),  # beside no axes
-    **dict.fromkeys((90, 131, 281, 301, 400, 430, 432, 490, 501), ("nothing", None, "")),
+    **dict.fromkeys((90, 131, 281, 301, 400, 401, 430, 432, 490, 501), ("nothing", None, "")),
     **dict.fromkeys((610, 611), ("path", None, "")),
     **dict.fromkeys((620, 630, 670, 690, 6000, 6010, 6020), ("nothing", None, "")),
     **dict.fromkeys((6410, 6420, 6430, 6440, 6450), ("nothing", None, "")),
@@ -31,7 +31,7 @@ G_WORDS = {
     330: ("motion", "thread", ""),
     **{10 * code: ("motion", "drill", "") for code in CYCLES},
     800: ("nothing", None, ""),  # beside a motion
-    **{-10 * code: ("hole", code, "RZLQFKP") for code in CYCLES},  # of Siemens and Heidenhain
+    **{-10 * code: ("hole", code, "RZILQFKP") for code in CYCLES},  # of Siemens and Heidenhain
     -800: ("hole", None, ""),
     150: ("polar", False, ""),
     160: ("polar", True, ""),
@@ -50,7 +50,7 @@ G_WORDS = {
     901: ("absolute_arcs", True, ""),
     911: ("absolute_arcs", False, ""),
     **{code: ("system", i, "") for i, code in enumerate(SYSTEMS)},
-    **{10 * code: ("system", code - 501, "") for code in range(505, 600)},  # Siemens' G505 to G599
+    **{10 * code: ("system", code - 501, "") for code in (500, *range(505, 600))},  # of Siemens
     **dict.fromkeys((541, 1540), ("system", 100, "P")),
     40: ("dwell", None, ""),
     431: ("offset", "tool", ALL_AXES),
@@ -78,7 +78,7 @@ REFUSED = {
     **dict.fromkeys((331, 711, 712, 720, 721, 722, 760, 870, 880), TURNED),
 }
 #: M words with a meaning that LinuxCNC or Heidenhain knows, or leaves to its users.
-MACHINE = {*range(10), 13, 14, 19, 30, *range(48, 54), *range(60, 74), 91, 92, *range(97, 200)}
+MACHINE = {*range(10), 13, 14, 17, 19, 30, *range(48, 54), *range(60, 74), 91, 92, *range(97, 200)}
 #: M words, not of Heidenhain and of it -> the letters after them that they take.
 M_WORDS = {19: "RPQS", 61: "Q", 66: "PLEQ", 67: "EQ", 68: "EQ"}
 M_WORDS |= dict.fromkeys((*range(50, 54), *range(62, 66)), "P") | dict.fromkeys(range(100, 200), "PQ")

@@ -34,7 +34,8 @@ WAYS = {way: dict(zip("XYZIJK", to, strict=True)) for way, to in (("IC", "xyzIJK
 #: What every such spelling of Siemens, Heidenhain, printers and Fanuc holds, and it -> that of all others.
 REWRITTEN = {
     ("C(", r"([XYZIJK])=([IA]C)\(([^()\n]*)\)"): lambda found: f" {WAYS[found[2]][found[1]]}[{found[3]}]",
-    ('"', r'(?:T\d*=|MSG[ \t]*)"[^"\n]*"'): "",
+    ('"', r'T\d*="[^"\n]*"|MSG[ \t]*(?:"[^"\n]*"|\([ \t]*"[^"\n]*"[ \t]*\))'): "",
+    ("ADIS", r"\bADIS(?:POS)?[ \t]*=[ \t]*[\d.]+"): "",  # how far G641 rounds a corner
     ("TURN=", r"TURN=([\d.]+)"): r" P[1+\1]",  # full turns before the arc
     ("M11", r"^[ \t]*(?:N\d+[ \t]*)?M11[78]\b[^\n]*"): "",
     ("G2", r"G2[89](?:[ \t]+[A-Z])+[ \t]*$"): lambda found: re.sub(r"\b[A-Z]\b", r"\g<0>0", found[0]),

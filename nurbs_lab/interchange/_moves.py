@@ -36,13 +36,13 @@ def arc_curve(start, end, centre, clockwise, turns, axes):
         turn = 2 * np.pi
     rise = end[along] - start[along]
     if rise == 0:
-        matrix, offset = np.zeros((3, 2)), start.copy()
-        matrix[plane, 0], matrix[plane, 1], offset[plane] = radius, across, centre
-        curve = arc(1.0, 0.0, turn, (0.0, 0.0)).transform(matrix, offset)
+        curve = arc(1.0, 0.0, turn, (0.0, 0.0))
         for _ in range(turns - 1):
-            curve = arc(1.0, 0.0, 2 * np.pi, (0.0, 0.0)).transform(matrix, offset).join(curve)
-        drift = np.linspace(0, 1, len(curve.control_points))[:, None] * (end - curve.control_points[-1])
-        return NurbsCurve(2, curve.knots, curve.control_points + drift, curve.weights)
+            curve = arc(1.0, 0.0, 2 * np.pi, (0.0, 0.0)).join(curve)
+        points = np.tile(start, (len(curve.control_points), 1))
+        points[:, plane] = centre + curve.control_points @ np.array([radius, across])
+        points += np.linspace(0, 1, len(points))[:, None] * (end - points[-1])
+        return NurbsCurve(2, curve.knots, points, curve.weights)
     turn += 2 * np.pi * (turns - 1)
     step = min(np.pi / 2, (384 * HELIX_MM / max(lengths(radius), HELIX_MM)) ** 0.25)  # cubic Hermite
     angles = np.linspace(0, turn, 1 + max(1, math.ceil(turn / step)))
@@ -125,12 +125,11 @@ class MoveTable(Sequence):
     """
 
     def __init__(self, kinds, starts, ends, feeds, lines, curves):
-        self.kinds, self.starts, self.ends, self.feeds, self.lines = map(
-            np.array, (kinds, starts, ends, feeds, lines)
-        )
-        self.curves = curves
-        for column in (self.kinds, self.starts, self.ends, self.feeds, self.lines):
+        columns = [np.array(column) for column in (kinds, starts, ends, feeds, lines)]
+        for column in columns:
             column.setflags(write=False)
+        self.kinds, self.starts, self.ends, self.feeds, self.lines = columns
+        self.curves = curves
 
     def __len__(self):
         return len(self.kinds)
@@ -139,11 +138,8 @@ class MoveTable(Sequence):
         if isinstance(index, slice):
             return tuple(self[i] for i in range(*index.indices(len(self))))
         i = range(len(self))[index]
-        made = self.curves.get(i, line)
-        if isinstance(made, tuple):
-            curve = arc_curve(self.starts[i], self.ends[i], *made)
-        else:
-            curve = line(self.starts[i], self.ends[i]) if made is line else made()
+        ends, made = (self.starts[i], self.ends[i]), self.curves.get(i, ())
+        curve = made() if callable(made) else arc_curve(*ends, *made) if made else line(*ends)
         kind = ("rapid", "cut")[self.kinds[i]]
         return Move(kind, curve, float(self.feeds[i]) or None, int(self.lines[i]) or None)
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_points, as_positive, lengths
 from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_curve, circle_through, line
-from nurbs_lab.interchange._pieces import MARGIN
+from nurbs_lab.interchange._pieces import MARGIN, PROBES
 from nurbs_lab.machining.program import Move, Program
 from nurbs_lab.nurbs import NurbsCurve
 from nurbs_lab.nurbs.along import lengths_along, spline_along
@@ -21,7 +21,6 @@ LONG = 5.0  # times as long as both its neighbours: such a segment is a line of 
 CORNER = np.radians(20.0)  # a polyline that turns by more has a corner
 AROUND = 8.0  # tolerances: a point is a corner if the polyline turns between such places around it, too
 STRAIGHT = 0.1  # of the tolerance: points as near as that to their chord, or plane, are in it
-PROBES = 10  # places of every segment at which the spline is compared with it
 TRIALS = 5  # of a spline, each along one place more of every segment, and nearer
 
 
@@ -171,12 +170,12 @@ def _curve(points, tolerance):
 def _spline(points, tolerance):
     """The cubic spline nearest to the segments; None if no trial brings it near to them."""
     chord, t, near = np.diff(points, axis=0), lengths_along(points)[:, None], 0.5 * (1 + MARGIN)
-    probed = t[:-1] + np.diff(t, axis=0) * (np.arange(PROBES) + 0.5) / PROBES
+    probed = t[:-1] + np.diff(t, axis=0) * PROBES
     for trial in range(TRIALS):
         parts = np.arange(trial + 1)[:, None] / (trial + 1)
         fine = np.vstack([(points[:-1, None] + parts * chord[:, None]).reshape(-1, 3), points[-1:]])
         curve = spline_along(fine, MARGIN * tolerance * near**trial)
-        places, at = curve(probed.ravel()), np.repeat(np.arange(len(chord)), PROBES)
+        places, at = curve(probed.ravel()), np.repeat(np.arange(len(chord)), len(PROBES))
         for beside in (0, -1, 1):  # those that are far from their own segment may be near to its neighbours
             i = np.clip(at + beside, 0, len(chord) - 1)
             along = np.clip(((places - points[i]) * chord[i]).sum(1) / (chord[i] ** 2).sum(1), 0, 1)
@@ -238,8 +237,7 @@ def blend(points, *, tolerance):
     long = lengths(steps)
     unit = steps / long[:, None]
     sine = lengths(unit[1:] - unit[:-1]) / 2
-    reach = np.minimum(long[:-1], long[1:]) / 2
-    reach = np.minimum(reach, 2 * tolerance / np.maximum(sine, 1e-12))[:, None]
+    reach = np.minimum(np.minimum(long[:-1], long[1:]) / 2, 2 * tolerance / np.maximum(sine, 1e-12))[:, None]
     corner = points[1:-1]
     before, after = corner - reach * unit[:-1], corner + reach * unit[1:]
     straight = (np.vstack([points[:1], after]) + np.vstack([before, points[-1:]])) / 2

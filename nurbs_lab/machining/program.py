@@ -122,5 +122,5 @@ class Program:
 
     @property
     def time_s(self) -> float:
-        """Time of all moves, in s."""
+        """Time of all moves, in s, without dwells and changes of the tool."""
         return sum(feed.duration for feed in self.feeds)

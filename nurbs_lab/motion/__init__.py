@@ -96,8 +96,7 @@ own speeds on both sides of a node (scurve)       none; programs exceed speeds o
 ================================================  ======================================================
 
 Without effect on these parts: samples at minima of |C'|, quarters of cells, margins at ends and the latest
-tenth of a window. Gone, as they changed none: the first steps to a feasible motion, the bound of halvings, a
-margin of the jerk between moving ends, and the least of two periods.
+tenth of a window.
 """
 
 from nurbs_lab.motion.certificate import Certificate

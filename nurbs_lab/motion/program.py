@@ -196,7 +196,8 @@ def _pieces(curves, speeds):
     taken, before, speeds = 0, None, itertools.repeat(None) if speeds is None else iter(speeds)
     for number, curve in enumerate(each):
         as_kind(f"curves[{number}]", curve, NurbsCurve)
-        speed = next(speeds, None)
+        if (speed := next(speeds, 0)) == 0:
+            raise ValueError(f"speeds has none above 0 for curves[{number}]; give one for each curve")
         if before is not None:
             _require_joined(before, curve, number)
         before, degree, knots, count = curve, curve.degree, curve.knots, len(curve.control_points)
@@ -214,12 +215,12 @@ def _pieces(curves, speeds):
 
 
 def _require_joined(before, curve, number):
+    if before.dim != curve.dim:
+        raise ValueError(f"curves[{number}] has {curve.dim} coordinates, those before have {before.dim}")
     end, start = before(before.domain[1]), curve(curve.domain[0])
     gap = np.linalg.norm(end - start)
     if gap > _GAP * max(np.ptp(curve.control_points, axis=0).max(), np.abs(start).max() * 1e-6):
-        raise ValueError(
-            f"curves[{number}] begins {gap:.3g} mm from the end of the curve before; join them by a line"
-        )
+        raise ValueError(f"curves[{number}] begins {gap:.3g} mm off the end of the last; join them by a line")
 
 
 def _last_even_time(profile, limits):

@@ -181,7 +181,8 @@ class NurbsCurve(Spline):
 
     def clamped(self):
         """The same curve with end knots of multiplicity p + 1: it starts and ends at control points."""
-        return self._of(*refinement.clamped(*self._rows))
+        there = self.domain == (*self.knots[[0, -1]],)
+        return self if there else self._of(*refinement.clamped(*self._rows))
 
     def beziers(self):
         """The Bezier pieces between neighbouring knots, as curves of one span each."""

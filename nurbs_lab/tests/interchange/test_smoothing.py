@@ -40,7 +40,7 @@ def test_both_ways_within_the_tolerance(tolerance):
 
 @pytest.mark.parametrize("sag", [0.003, 0.01, 0.03])
 def test_chords_as_far_from_their_curve_as_the_tolerance_become_one_curve(sag):
-    """A spline through the points of such chords is off their middles by as much as the chords are long for."""
+    """A spline through the ends of such chords is as far from their middles as the arcs are."""
     count = int(np.ceil(4 / np.arccos(1 - sag / 20)))  # chords of a spiral of radius 15 to 25
     angle = np.linspace(0, 8, count)
     points = (20 + 5 * np.sin(angle / 5))[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
