@@ -56,10 +56,12 @@ def _kind_of(item):
     raise TypeError(f"items must be {kinds}, got {type(item).__name__}")
 
 
-def _flat(items):
+def _flat(items, around=()):
     """The items, and those of lists."""
+    if any(items is one for one in around):
+        raise ValueError("items: a list holds itself; give what it holds beside that")
     for item in items:
-        yield from _flat(item) if isinstance(item, (list, tuple)) else [item]
+        yield from _flat(item, (*around, items)) if isinstance(item, (list, tuple)) else [item]
 
 
 def clamped(shape):

@@ -13,6 +13,7 @@ import numpy as np
 from nurbs_lab.common.checks import as_floats, lengths
 from nurbs_lab.mesh.formats.shape import unended
 
+_NUMBER = re.compile(r"[+-]?((\d+\.?\d*|\.\d+)(e[+-]?\d+)?|nan|inf(inity)?)", re.IGNORECASE)
 HEADS = {dim: ["t", "u", *"xyz"[:dim], "v"] for dim in (2, 3)}
 
 
@@ -59,15 +60,14 @@ def read(path):
     names = [word.strip() for word in first.split(comma)]
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # of a file without any row, and of equal times
-        named = int(bool(re.search("[A-DF-Za-df-z]", first)))
-        rows = np.loadtxt(path, delimiter=comma, ndmin=2, encoding="utf-8-sig", skiprows=named)
+        headed = any(names) and not any(map(_NUMBER.fullmatch, names))
+        rows = np.loadtxt(path, delimiter=comma, ndmin=2, encoding="utf-8-sig", skiprows=int(headed))
         if rows.shape[1] != len(names):
             raise ValueError(f"its first line has {len(names)} columns, the others {rows.shape[1]}")
         as_floats("the table", rows)
-        if names not in HEADS.values():
-            return rows
-        table = PathTable(rows[:, 0], rows[:, 1], rows[:, 2:-1], rows[:, -1])
-        speeds = _speeds(table.t, table.points)
-        if not np.allclose(speeds, table.v, rtol=1e-6, atol=1e-6 * speeds.max()):
-            raise ValueError("a row is missing, doubled or damaged: its speeds are not those of its chords")
-    return table
+        named, t, points, v = names in HEADS.values(), rows[:, 0], rows[:, 2:-1], rows[:, -1]
+        moves = rows.shape[1] in (5, 6) and len(t) > 1 and (np.diff(t) > 0).all()
+        speeds = _speeds(t, points) if moves else np.zeros(1)
+        if named != (speeds.any() and np.allclose(speeds, v, rtol=1e-6, atol=1e-6 * speeds.max())):
+            raise ValueError("a line is missing, doubled or damaged: its speeds are not those of its chords")
+    return PathTable(t, rows[:, 1], points, v) if named else rows

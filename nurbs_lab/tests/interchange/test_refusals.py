@@ -21,12 +21,15 @@ def test_a_folder_is_no_file(tmp_path):
 
 
 OTHER_KINDS = "items must be NurbsCurve"
+LOOP = []
+LOOP.append([curve(), LOOP])
 
 
 @pytest.mark.parametrize(
     ("name", "items", "kind", "said"),
     [
         *(("part.step", item, TypeError, OTHER_KINDS) for item in (None, 3, "curve", {"u": 1})),
+        ("part.json", LOOP, ValueError, "a list holds itself"),
         *(("part.step", items, ValueError, "nothing to write") for items in ([], [[]])),
         *(
             (f"part{suffix}", path(), ValueError, r"file cannot hold .*; write it")

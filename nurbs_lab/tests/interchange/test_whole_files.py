@@ -121,7 +121,7 @@ def test_files_cut_in_the_middle(suffix, tmp_path):
         (".txt.ply", (12, 50, -1)),
         (".off", (1, 2, 50, 200, -1)),
         (".cloud.ply", (9, 50, -1)),
-        (".csv", (1, 5)),
+        (".csv", (0, 1, 5)),
         (".heidenhain.ngc", (2, 3, 4, 8)),
         (".fanuc.ngc", (4, 5, 6, -3, -4)),
     ],
@@ -156,6 +156,8 @@ CURVE_OF_JSON = """{"shape": {"type": "curve", "data": [{"degree": 1, "knotvecto
         ("a.json", '{"shape": {"type": "curve", "data": [{"degree": 2}]}}', "missing.*: 'knotvector'; a"),
         ("a.json", CURVE_OF_JSON, "missing, or of another kind: .*'weIghts'"),
         ("a.csv", "x,y\n1,2#5\n", "a number of it goes on with '#'"),
+        ("a.csv", "nan,0\n1,2\n", r"the table\[0, 0\] is nan"),
+        ("a.txt", "0 l.5\n1 2\n", "could not convert string 'l.5'"),
         ("a.stl", "", "it is neither text that begins with 'solid' nor binary: 0 bytes"),
     ],
 )
