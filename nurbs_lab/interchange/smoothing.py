@@ -181,7 +181,8 @@ def _spline(points, tolerance):
             along = np.clip(((places - points[i]) * chord[i]).sum(1) / (chord[i] ** 2).sum(1), 0, 1)
             far = lengths(places - points[i] - along[:, None] * chord[i]) > near * tolerance
             places, at = places[far], at[far]
-        if not len(at):
+        drifted = points[1:-1][lengths(curve(t[1:-1, 0]) - points[1:-1]) > near * tolerance]
+        if not len(at) and (not len(drifted) or curve.closest_point(drifted)[1].max() <= tolerance):
             return curve
     return None
 
@@ -193,8 +194,7 @@ def _arc(points, tolerance):
     if np.abs(centred @ flat[2]).max() > STRAIGHT * tolerance:
         return None
     local = (points - points[0]) @ flat[:2].T
-    found = circle_through(local, [0, 1], MARGIN * tolerance)
-    if found is None:
+    if (found := circle_through(local, [0, 1], MARGIN * tolerance)) is None:
         return None
     centre, turn = found
     radius, middles = lengths(centre), (local[1:] + local[:-1]) / 2

@@ -54,6 +54,19 @@ def test_chords_as_far_from_their_curve_as_the_tolerance_become_one_curve(sag):
     )
 
 
+@pytest.mark.parametrize(("spike", "noise"), [(0.02, 0.0), (0.03, 0.0), (0.0, 0.008)])
+def test_points_that_stick_out_are_within_the_tolerance_of_the_curve(spike, noise):
+    """The curve beneath a narrow spike is near to both of its sides, and far from its tip."""
+    x = 0.006 * np.arange(400)
+    points = np.column_stack([x, 0.5 * np.sin(x / 0.3)])
+    points += np.random.default_rng(4).normal(0.0, noise, points.shape)
+    points[200, 1] += spike
+    curve = nl.smooth(points, tolerance=0.01)
+    assert curve.degree == 3
+    dense = cKDTree(curve(np.linspace(*curve.domain, 300_000)))
+    assert dense.query(points)[0].max() <= 0.01 + 1e-6
+
+
 def test_a_spline_has_no_kink_of_curvature():
     curve = nl.smooth(wave(300), tolerance=0.01)
     knots = np.unique(curve.knots)[1:-1]
