@@ -145,7 +145,7 @@ def _finish(name):
         {
             "gouge mm": seen.gouge,
             "99 % of the reached area mm": seen.percentile(99),
-            "area above 1.2 scallops": seen.fraction_above(1.2 * SCALLOP),
+            "area above 1.2 scallops": float(np.mean(np.append(seen.left, seen.bridged) > 1.2 * SCALLOP)),
             "undercut mm²": seen.unreachable["undercut"],
             "narrow mm²": seen.unreachable["narrow"],
             "length m": sum(curve.length() for curve in program.curves) / 1e3,

@@ -14,7 +14,7 @@ from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.program import MACHINE, Program
 from nurbs_lab.machining.stock import as_stock, material_of, require_inside
-from nurbs_lab.machining.surface import left_over, reached, sample_surface, visible, with_valleys
+from nurbs_lab.machining.surface import at_rest, left_over, sample_surface, visible, with_valleys
 from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
 
@@ -136,7 +136,7 @@ def covering(fitting, plan, scallop, after):
     plan = replace(plan, field=field, slope=field.slope)
     places = np.column_stack([field.places(), field.z.ravel()])
     samples, found, tips, gaps = closest(fitting, samples, field.floor, places)
-    places = np.vstack([places, tips[found]])
+    places = np.vstack([places, tips])
     points, plan = samples.points, plan.with_steps(tips[found], samples.normals[found])
     done = [] if after is None else [(one.cutter, program_tips(one)) for one in after.chain]
     poor = left_by(done, points, gaps, scallop) > scallop
@@ -163,18 +163,12 @@ def covering(fitting, plan, scallop, after):
 
 
 def closest(fitting, samples, floor, places):
-    """Samples seen from above, which of them the cutter reaches, its tips there, and what must remain.
-
-    In a fillet that is too small for it, or between two edges, it rests on the part at a distance from the
-    samples: its tip there is the nearest one among the ``places (n, 3)`` and the others. Samples in holes, a
-    diameter or more away, are left out.
-    """
+    """Samples seen from above, and what `at_rest` says of them, without those in holes, a diameter away."""
     samples = samples[visible(fitting.part, samples, floor, fitting.tolerance)]
-    found, tips = reached(fitting.touch(0.0), samples, floor, fitting.tolerance)
-    places, gaps, most = np.vstack([places, tips[found]]), np.zeros(len(found)), fitting.cutter.diameter
-    gaps[~found], which = left_over(fitting.cutter, places, samples.points[~found], most)
-    tips[~found], near = places[which], gaps < most
-    return samples[near], found[near], tips[near], gaps[near].clip(0.0)
+    touch, cutter = fitting.touch(0.0), fitting.cutter
+    found, tips, gaps = at_rest(touch, cutter, samples, floor, fitting.tolerance, places)
+    near = gaps < cutter.diameter
+    return samples[near], found[near], tips[near], gaps[near]
 
 
 def left_by(done, points, gaps, scallop):

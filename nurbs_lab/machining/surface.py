@@ -117,6 +117,22 @@ def reached(touch, samples, floor, tolerance):
     return found, tips
 
 
+def at_rest(touch, cutter, samples, floor, tolerance, places):
+    """Which samples the cutter reaches, its nearest tips, and how far from them they leave the samples.
+
+    In a fillet that is too small for it, or between two edges, it rests on the part at a distance from the
+    samples. Its tip there is the nearest one of those in contact with samples, of those over the samples that
+    it does not reach, and of the ``places (n, 3)``. Distances of more than a diameter are a diameter, and
+    their tips any.
+    """
+    found, tips = reached(touch, samples, floor, tolerance)
+    xy, gaps = samples.points[~found, :2], np.zeros(len(found))
+    places = np.vstack([places, tips[found], np.column_stack([xy, touch.heights(xy).clip(floor)])])
+    gaps[~found], which = left_over(cutter, places, samples.points[~found], cutter.diameter)
+    tips[~found] = places[which]
+    return found, tips, gaps.clip(0.0)
+
+
 def visible(part, samples, floor, tolerance):
     """Which samples are seen from above and lie above the floor: a thin enough cutter reaches them."""
     above = samples.points + BESIDE * samples.normals + (0.0, 0.0, tolerance)

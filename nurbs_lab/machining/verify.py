@@ -12,7 +12,7 @@ from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
 from nurbs_lab.machining.simulate import coarse
 from nurbs_lab.machining.stock import as_stock, material_of
-from nurbs_lab.machining.surface import left_over, reached, sample_surface, visible
+from nurbs_lab.machining.surface import at_rest, left_over, sample_surface, visible
 from nurbs_lab.mesh.read import without_cache
 
 SPACING = 0.006  # diameters between sampled tips
@@ -31,7 +31,8 @@ class Verification(Value):
         Tips at which a cutter cuts into the part, and how much smaller all round it must be not to do so.
     left : (m,) array
         Material left on each sample of the reached surface, in increasing order: its distance from the
-        nearest cutter, however far, or the height of the stock above it if that is known and less.
+        nearest cutter, however far, or the height of the stock above it if that is known and less. The
+        little that a disc leaves there at rest is subtracted.
     areas : (m,) array
         Area that each sample represents.
     points : (m, 3) array
@@ -45,6 +46,9 @@ class Verification(Value):
         What touches that must not: rapid moves, shank or holder, the part or the stock of the program.
     narrow_points, hidden_points : (k, 3) arrays
         Samples that a smaller cutter would reach, and those that none reaches, without faces that look down.
+    bridged : (k,) array
+        Material left on each of ``narrow_points`` beyond what the cutters leave there at rest on the part; 0
+        in holes deeper than their diameter.
     """
 
     gouges: np.ndarray
@@ -56,6 +60,7 @@ class Verification(Value):
     contacts: tuple[str, ...]
     narrow_points: np.ndarray
     hidden_points: np.ndarray
+    bridged: np.ndarray
 
     @property
     def gouge(self) -> float:
@@ -75,6 +80,8 @@ class Verification(Value):
                 f"{reached / up:.1%}, {narrow / up:.1%} and {hidden / up:.1%}",
                 f"left where it is reached: at most {self.percentile(99):.4g} mm on 99 %, "
                 f"{self.percentile(100):.4g} mm on all of {len(self.left)} samples",
+                f"left elsewhere beyond what the cutters leave at rest: at most "
+                f"{self.bridged.max(initial=0.0):.4g} mm on {len(self.bridged)} samples",
                 f"deepest gouge: {self.gouge:.3g} mm",
                 *(self.contacts or ["no contact of rapid moves, shank or holder"]),
             ]
@@ -99,9 +106,10 @@ def verify(program, part, *, spacing=None) -> Verification:
     A program that was planned ``after`` another one is judged together with it, and with those before that.
     Every move is sampled, with at least ten samples for each control point, and a drop-cutter computes the
     gouge at each sample. The material left is the distance from samples of the part to the nearest cutter,
-    without rapid moves. An earlier program that comes nowhere as close to the part as its tolerance, as
-    roughing, does not count as reaching anything. Contacts with stock are those of `simulate` with the stock
-    that each program knows.
+    without rapid moves. Where a cutter touches no sample, its distance from them at rest on the part is
+    subtracted. An earlier program that comes nowhere as close to the part as its tolerance, as roughing, does
+    not count as reaching anything. Contacts with stock are those of `simulate` with the stock that each
+    program knows.
 
     Parameters
     ----------
@@ -139,15 +147,18 @@ def verify(program, part, *, spacing=None) -> Verification:
     samples = sample_surface(part, spacing)
     seen = visible(part, samples, part.bounds[0, 2], program.tolerance)
     chain = program.chain
-    gouges, left, found, contacts = zip(*(_one(each, part, samples, seen) for each in chain), strict=True)
+    each = (_one(one, part, samples, seen) for one in chain)
+    gouges, left, found, gaps, contacts = zip(*each, strict=True)
     near = [one.min(initial=np.inf) <= each.tolerance for one, each in zip(left, chain, strict=True)]
     near[-1] = True
-    found, left = np.any(np.array(found)[near], axis=0), np.min(left, axis=0)
+    found, gaps = np.any(np.array(found)[near], axis=0), np.min(np.array(gaps)[near], axis=0)
+    left = np.min(left, axis=0)
     if chain[0].stock is not None:
         field = material_of(as_stock(chain[0].stock), program.cutter).field
         above = field.z[field.index(samples.points[:, :2])] - samples.points[:, 2]
         left = np.minimum(left, np.maximum(above, 0.0))
-    seen, left = seen | found, left[found]
+    left, seen, narrow = left - gaps, seen | found, seen & ~found
+    bridged, left = left[narrow].clip(0.0), left[found]
     order, share = np.argsort(left, kind="stable"), samples.share
     return Verification(
         gouges=np.concatenate(gouges),
@@ -156,25 +167,30 @@ def verify(program, part, *, spacing=None) -> Verification:
         points=samples.points[found][order],
         unreachable={
             "undercut": samples.undercut + share * np.count_nonzero(~seen),
-            "narrow": share * np.count_nonzero(seen & ~found),
+            "narrow": share * np.count_nonzero(narrow),
         },
         facing_up=share * len(seen),
         contacts=tuple(said for some in contacts for said in some),
-        narrow_points=samples.points[seen & ~found],
+        narrow_points=samples.points[narrow],
         hidden_points=samples.points[~seen],
+        bridged=bridged,
     )
 
 
 def _one(program, part, samples, seen):
-    """Of a program without those before it: gouges, material left, what its cutter reaches, contacts."""
+    """Of a program without those before it: gouges, material left, what it reaches and must leave, contacts.
+
+    What it must leave of a hole as deep as its cutter's diameter, or deeper, is infinite.
+    """
     cutter, touch, tips = program.cutter, contact(part, program.cutter), locations(program)
     deep = tips[touch.collides(tips)]
     left, _ = left_over(cutter, tips, samples.points)
-    found, at = reached(touch, samples, part.bounds[0, 2], program.tolerance)
+    floor, most = part.bounds[0, 2], 2.0 * program.tolerance
+    found, _, gaps = at_rest(touch, cutter, samples, floor, program.tolerance, np.empty((0, 3)))
     if cutter.flat_radius:  # a level place may be anywhere under the disc
-        beside, most = seen & ~found, 2.0 * program.tolerance
-        found[beside] = left_over(cutter, at[found], samples.points[beside], most)[0] < most
-    return np.column_stack([deep, touch.depths(deep)]), left, found, _contacts(program, part, tips)
+        found |= seen & (gaps < most)
+    gaps[gaps >= cutter.diameter] = np.inf
+    return np.column_stack([deep, touch.depths(deep)]), left, found, gaps, _contacts(program, part, tips)
 
 
 def _contacts(program, part, tips):

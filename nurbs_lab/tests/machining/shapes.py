@@ -5,6 +5,7 @@ import trimesh
 
 import nurbs_lab as nl
 
+WIDE = 3.6  # mm: half the width of a slot
 CUTTERS = {
     "ball": nl.Cutter("ball", diameter=6.0),
     "flat": nl.Cutter("flat", diameter=6.0),
@@ -40,3 +41,9 @@ def block(height, size, count=60, corner=None):
     )
     faces = np.concatenate([upper, walls, upper[:, ::-1] + x.size])
     return trimesh.Trimesh(np.concatenate([points, floor]), faces, process=False)
+
+
+def shallow_slot():
+    """A slot from -WIDE to WIDE along x, 1 mm deep, less than the ball's radius."""
+    boxes = [((-20, -9, 0), (20, 9, 8)), *(((-20, y, 8), (20, y + 3, 9)) for y in (-3 - WIDE, WIDE))]
+    return trimesh.util.concatenate([trimesh.creation.box(bounds=box) for box in boxes])

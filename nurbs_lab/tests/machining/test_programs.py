@@ -16,7 +16,7 @@ from nurbs_lab.machining.surface import sample_surface
 from nurbs_lab.machining.waterlines import waterlines
 from nurbs_lab.mesh import samples
 from nurbs_lab.nurbs.along import spline_along
-from nurbs_lab.tests.machining.shapes import CUTTERS, block, hills, lying_cylinder
+from nurbs_lab.tests.machining.shapes import CUTTERS, WIDE, block, hills, lying_cylinder, shallow_slot
 
 SCALLOP, TOLERANCE = 0.05, 0.01
 DOME = trimesh.creation.icosphere(subdivisions=5, radius=8.0)
@@ -75,7 +75,7 @@ def test_neither_gouges_nor_leaves_more_than_asked(load, kind, scallop, toleranc
     cutter = replace(CUTTERS[kind], length=60.0)
     found = nl.verify(nl.finish(mesh, cutter, scallop=scallop, tolerance=tolerance), mesh)
     assert found.gouge <= (0.1 if kind == "cone" else 0.02) * tolerance
-    assert found.percentile(100) <= scallop
+    assert max(found.percentile(100), found.bridged.max(initial=0.0) - tolerance) <= scallop
 
 
 def test_a_flat_cutter_finishes_floors_and_walls_with_few_passes():
@@ -158,24 +158,6 @@ def test_a_rest_program_is_judged_together_with_those_before_it():
     assert nl.verify(rough, part).percentile(1) > 0.3 - rough.tolerance
     with pytest.raises(ValueError, match="there is nothing"):
         nl.finish(part, small, after=rest, scallop=0.15, tolerance=0.02)
-
-
-def test_what_is_left_is_measured_however_far_it_reaches():
-    """One groove in a block that stands 3 mm above the part: its distance, or the height of the block."""
-    box = trimesh.creation.box(bounds=[(-10, -10, 0), (10, 10, 4)])
-    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(-15.0, 0.0, 5.0), (15.0, 0.0, 5.0)])
-    stock = np.array([(-12.0, -12.0, 0.0), (12.0, 12.0, 7.0)])
-    moves = [machining.Move("cut", line, 10.0)]
-    program = machining.Program(moves, nl.Cutter("ball", 4.0, length=20.0))
-    for known, least in ((stock, 4.9), (None, 9.0)):
-        found = nl.verify(replace(program, stock=known), box)
-        y, z = found.points.T[1:]
-        left = np.hypot(y, 7.0 - z) - 2.0
-        left = left if known is None else np.minimum(left, 7.0 - z)
-        np.testing.assert_allclose(found.left, left, rtol=0, atol=1e-3)
-        assert least < found.percentile(100) == pytest.approx(left.max(), abs=1e-3)
-        assert f"{found.percentile(100):.4g} mm on all" in found.report()
-        assert found.fraction_above(2.0) == pytest.approx(np.mean(left > 2.0), abs=1e-3)
 
 
 def test_moves_follow_one_another(program):
@@ -360,10 +342,9 @@ def test_gaps_hardly_wider_than_the_cutter_are_finished_or_it_is_said(kind, widt
 
 
 def test_no_more_than_asked_is_left_where_the_ball_rests_between_a_rim_and_the_floor():
-    """Of a slot shallower than the ball's radius: what the ball leaves there is a circle in closed form."""
-    wide, scallop, tolerance, axis = 3.6, 0.1, 0.02, np.array([0.0, 0.0, 3.0])
-    boxes = [((-20, -9, 0), (20, 9, 8)), *(((-20, y, 8), (20, y + 3, 9)) for y in (-3 - wide, wide))]
-    part = trimesh.util.concatenate([trimesh.creation.box(bounds=box) for box in boxes])
+    """What the ball leaves there of a slot is a circle in closed form."""
+    wide, scallop, tolerance, axis = WIDE, 0.1, 0.02, np.array([0.0, 0.0, 3.0])
+    part = shallow_slot()
     program = nl.finish(part, nl.Cutter("ball", 6.0, length=20.0), scallop=scallop, tolerance=tolerance)
     tips = [curve(np.linspace(*curve.domain, int(curve.length() / 0.02) + 2)) for curve in program.curves]
     centre = wide - np.sqrt(3.0**2 - 2.0**2)  # of a ball that rests on the floor and on the edge of the rim

@@ -1,0 +1,50 @@
+"""What `verify` measures, by hand-made programs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial import cKDTree
+
+import nurbs_lab as nl
+from nurbs_lab import machining
+from nurbs_lab.tests.machining.shapes import CUTTERS, WIDE, shallow_slot
+
+
+def test_verify_measures_the_strip_that_the_ball_bridges_and_no_pass_goes_through():
+    """By circles round the passes and round the places where the ball rests on the floor or on the rim."""
+    across = [(y, 8.0) for y in np.linspace(-1.0, 1.0, 5)]
+    across += [(side * y, 9.0) for side in (-1.0, 1.0) for y in np.linspace(WIDE, WIDE + 3.0, 7)]
+    lines = [nl.NurbsCurve(1, [0, 0, 1, 1], [(x, y, z) for x in (-25.0, 25.0)]) for y, z in across]
+    moves = [machining.Move("cut", line, 10.0) for line in lines]
+    found = nl.verify(machining.Program(moves, CUTTERS["ball"], tolerance=0.02), shallow_slot(), spacing=0.1)
+    y = np.linspace(0.0, WIDE, 10001)
+    rest = np.where(y < WIDE - np.sqrt(5.0), 11.0, 9.0 + np.sqrt((9.0 - (WIDE - y) ** 2).clip(0.0)))
+    inner = (np.abs(found.narrow_points) < (15.0, WIDE + 1e-9, 9.0)).all(axis=1)
+    points = np.abs(found.narrow_points[inner, 1:])
+    left, gap = (cKDTree(at).query(points)[0] - 3.0 for at in (np.add(across, (0, 3.0)), np.c_[y, rest]))
+    less = (left - gap).clip(0.0) - found.bridged[inner]  # between the samples the ball comes a little closer
+    assert -0.001 < less.min() <= less.max() < 0.05
+    touched = (np.abs(found.points) < (15.0, WIDE + 2.0, 9.1)).all(axis=1) & (found.points[:, 2] > 7.9)
+    assert found.left[touched].max() < 0.1
+    assert found.bridged.max() > 0.3
+    assert f"at most {found.bridged.max():.4g} mm on {len(found.bridged)} samples" in found.report()
+
+
+def test_what_is_left_is_measured_however_far_it_reaches():
+    """One groove in a block that stands 3 mm above the part: its distance, or the height of the block."""
+    box = trimesh.creation.box(bounds=[(-10, -10, 0), (10, 10, 4)])
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(-15.0, 0.0, 5.0), (15.0, 0.0, 5.0)])
+    stock = np.array([(-12.0, -12.0, 0.0), (12.0, 12.0, 7.0)])
+    moves = [machining.Move("cut", line, 10.0)]
+    program = machining.Program(moves, nl.Cutter("ball", 4.0, length=20.0))
+    for known, least in ((stock, 4.9), (None, 9.0)):
+        found = nl.verify(replace(program, stock=known), box)
+        y, z = found.points.T[1:]
+        left = np.hypot(y, 7.0 - z) - 2.0
+        left = left if known is None else np.minimum(left, 7.0 - z)
+        np.testing.assert_allclose(found.left, left, rtol=0, atol=1e-3)
+        assert least < found.percentile(100) == pytest.approx(left.max(), abs=1e-3)
+        assert f"{found.percentile(100):.4g} mm on all" in found.report()
+        assert found.fraction_above(2.0) == pytest.approx(np.mean(left > 2.0), abs=1e-3)
