@@ -178,9 +178,9 @@ def read(path, unit=None):
         As the table of `nurbs_lab.interchange` says; an array of the points of a table or a mesh file without
         faces. Curves come before surfaces. CAD formats keep three coordinates, so a plane curve comes back
         with z = 0; planes, such as the sides of a block, are left out; a trimmed face is its whole surface.
-        Polygons are divided into triangles; equal vertices of an STL are one. An OBJ file does not say how
-        many faces it has, so nobody can see that its end is missing if it was cut between two faces. Moves of
-        a program know their lines.
+        Polygons are divided into triangles; equal vertices of an STL are one. OBJ and 3MF do not say how many
+        faces they have, nor a table its rows or G-code its moves: nobody can see that whole lines of such a
+        file are missing. Moves of a program know their lines.
 
     Raises
     ------

@@ -9,14 +9,22 @@ from nurbs_lab.nurbs import cylinder
 from nurbs_lab.tests.interchange.shapes import path
 
 
+@pytest.mark.filterwarnings("ignore:.*states no unit")
 @pytest.mark.parametrize("suffix", [".stl", ".obj"])
-def test_triangles_follow_the_surface(tmp_path, suffix):
-    mesh = trimesh.load_mesh(nl.export(tmp_path / f"tube{suffix}", cylinder(3, 10)))
-    assert mesh.area == pytest.approx(2 * np.pi * 3 * 10, rel=1e-3)
-    radius = np.linalg.norm(mesh.vertices[:, :2], axis=1)
-    np.testing.assert_allclose(radius, 3, atol=1e-6)
+@pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
+def test_triangles_follow_the_surface(tmp_path, suffix, size):
+    mesh = nl.read(nl.export(tmp_path / f"tube{suffix}", cylinder(3 * size, 10 * size)))
+    assert mesh.area == pytest.approx(2 * np.pi * 3 * 10 * size**2, rel=1e-3)
+    vertices = np.asarray(mesh.vertices) / size
+    np.testing.assert_allclose(np.linalg.norm(vertices[:, :2], axis=1), 3, atol=1e-6)
     rims = trimesh.grouping.group_rows(mesh.edges_sorted, require_count=1)
-    assert set(np.round(mesh.vertices[mesh.edges_sorted[rims]][..., 2].ravel(), 6)) == {0, 10}  # no seam
+    assert set(np.round(vertices[mesh.edges_sorted[rims]][..., 2].ravel(), 6)) == {0, 10}  # no seam
+
+
+def test_an_stl_of_numbers_that_it_cannot_hold_is_refused(tmp_path):
+    with pytest.raises(ValueError, match=r"items: an STL holds no 1e\+50 mm"):
+        nl.export(tmp_path / "tube.stl", cylinder(1.0, 1e50))
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("suffix", [".stl", ".obj"])

@@ -157,6 +157,8 @@ CURVE_OF_JSON = """{"shape": {"type": "curve", "data": [{"degree": 1, "knotvecto
         ("a.json", CURVE_OF_JSON, "missing, or of another kind: .*'weIghts'"),
         ("a.csv", "x,y\n1,2#5\n", "a number of it goes on with '#'"),
         ("a.csv", "nan,0\n1,2\n", r"the table\[0, 0\] is nan"),
+        ("a.csv", "0,0,0,0,0\n1,0,3,4,5\n3,1,0,0,2.5\n", "a line is missing"),
+        ("a.csv", "1,0,3,4,5\n3,1,0,0,2.5\n", "a line is missing"),
         ("a.txt", "0 l.5\n1 2\n", "could not convert string 'l.5'"),
         ("a.stl", "", "it is neither text that begins with 'solid' nor binary: 0 bytes"),
     ],
