@@ -4,16 +4,16 @@ Constants that steer programs, and what half and twice their value change (2026-
 12 mm with pocket, holes and bosses: of finishing by a ball of 6 mm, scallop 0.05, and of roughing by a flat
 cutter of 6 mm, step 2. The first number is the length outside rapid moves, the second the number of moves,
 both in per cent; ramps are among them. Nothing was gouged, nor more left than the scallop, unless it is said.
-Of a scan of 30 mm (the spleen, scallop 0.1) are the rows with one star, of a wavy block of 20 mm (scallop
-0.05) those with two, of a pocket of 10 x 12 mm (cutter 5 mm, 0.1 mm left) those with three.
+Of a scan of 30 mm (the spleen, scallop 0.1, of which 1.13 are left) are the rows with one star, of a wavy
+block of 20 mm (scallop 0.05) those with two, of a pocket of 10 x 12 mm (cutter 5 mm, 0.1 mm left) the others.
 
 =======================================  =======  =============  =============
 constant (module)                        value    half           twice
 =======================================  =======  =============  =============
-CUSP (finish), of the scallop            0.65     +14, -14 *     at 0.95 -12, -10 *; 1.12 scallops are left
-SAMPLES (finish), of the step-over       0.25     +2, +2 *       -12, -33 *; 1.12 scallops are left
-SUSPECT (finish), of the scallop         0.75     -4, -6 *       at 1 -9, -19 *; 1.13 left, at twice 1.24
-FINER (finish)                           4        -8, -17 *      -3, -6 *; at half 1.05 scallops are left
+CUSP (finish), of the scallop            0.65     +19, -6 *      at 0.95 -10, -10 *; 1.58 scallops are left
+SAMPLES (finish), of the step-over       0.25     +12, +11 *     -6, -25 *; 1.51 scallops are left
+SUSPECT (finish), of the scallop         0.75     0, +2 *        at 1 -4, -10 *; 1.42 left, at twice 1.51
+FINER (finish)                           4        -3, -7 *       0, 0 *
 FIT (fit), of the tolerance              0.4      0, 0           at 0.48 +5, +8
 FAR (fit), of the tolerance              0.92     at 0.85 0, +4  at 0.98 0, +1
 SHORTEST (fit), tolerances               0.1      0, 0           -1, +1
