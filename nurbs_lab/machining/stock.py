@@ -22,6 +22,7 @@ INSIDE = 0.01  # cells: so far a part may be outside its stock, by rounding
 RIM = 2.0  # tolerances from the rim of a cutter: what two passes along one wall scrape off it is no bite
 
 
+@np.errstate(over="ignore")  # of trimesh, for blocks beyond 1e75 mm
 def stock_around(part, margin=2.0) -> trimesh.Trimesh:
     """The block around a part.
 

@@ -52,8 +52,9 @@ def sample_surface(part, spacing, near=None, within=np.inf) -> Samples:
         up &= near.query(middles, distance_upper_bound=2.0 * most.max())[0] <= most
     ends = np.cumsum(areas[up])
     whole = ends[-1] if len(ends) else 0.0
-    require_size(whole / spacing**2, MOST_SAMPLES, "scallop or spacing is too small", "samples of the part")
-    count = int(np.ceil(whole / spacing**2))
+    wanted = whole / max(spacing, 1e-50) ** 2
+    require_size(wanted, MOST_SAMPLES, "scallop or spacing is too small", "samples of the part")
+    count = int(np.ceil(wanted))
     share, corners, outward = whole / max(count, 1), corners[up], outward[up]
 
     def block(start):

@@ -1,5 +1,6 @@
 """A number is a number in any dress: each argument in every kind of NumPy's, each array in every form."""
 
+import contextlib
 import re
 from types import SimpleNamespace
 
@@ -84,6 +85,16 @@ def test_nothing_is_added_up_in_the_kind_of_a_small_count(name, argument):
     call, good = (QUICK | HARDWARE)[name]
     small, plain = ({**good, argument: kind(100)} for kind in (np.int8, int))
     assert outcome(call, small) == outcome(call, plain)
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+@pytest.mark.parametrize("name", QUICK | HARDWARE)
+def test_tiny_and_huge_numbers_are_answered_or_refused_without_warnings_of_numpy(name):
+    call, good = (QUICK | HARDWARE)[name]
+    for argument in numbers(good):
+        for value in (1e-300, 1e96):
+            with contextlib.suppress(ValueError, TypeError):
+                call(**{**good, argument: value})
 
 
 @pytest.mark.parametrize("dialect", nl.interchange.DIALECTS)
