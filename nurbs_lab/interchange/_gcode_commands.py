@@ -74,7 +74,8 @@ class Commands(Shapes):
                 raise ValueError("M98 has an axis beside it; give the call its own block")
             self.flow.call_program(int(block.pop("P", 0)), int(block.pop("L", 1)))
         if not self.due:
-            self.ended |= self.flow.end_program() if number == 99 else number in (2, 17, 30)
+            last = number == 17 and not "".join(self.lines[self.line :]).strip("% ")  # ends one of Siemens
+            self.ended |= self.flow.end_program() if number == 99 else last or number in (2, 30)
 
     def _word(self, code, block, chosen, owned):
         """Do what a G word says, or return its motion; note its group and its letters."""

@@ -156,7 +156,7 @@ READ = {
     "G16 G1 X10 Y90\nY180\nG15 X3\nG16 G91 X5 Y-90": [(0, 10), (-10, 0), (3, 0), (0, -8)],
     "O1 while [1]\nG1 X1\nO1 break\nO1 endwhile\nX2\nM30\nX3": [(1, 0), (2, 0)],
     "O1 sub\nO1 endsub [4]\nO2 sub\nO1 call\nO2 endsub\nO2 call\nG1 X5 Y#<_value>": [(5, 0)],
-    'G500 G40.1\nMSG("to (X9); ")\nG641 ADIS=0.1 ADISPOS=.2\nG1 X5\nM17\nX6': [(5, 0)],
+    'G500 G40.1\nMSG("to (X9); ")\nG641 ADIS=0.1 ADISPOS=.2\nM17\nG1 X5\nM17\n%': [(5, 0)],
     "R1=5\nR2=R1*2-1\nG1 X=R1 Y=R2/3\nX=IC(R1) Y-R1": [(5, 3), (10, -5)],
 }
 
