@@ -67,7 +67,7 @@ def read(path):
         as_floats("the table", rows)
         named, t, points, v = names in HEADS.values(), rows[:, 0], rows[:, 2:-1], rows[:, -1]
         moves = rows.shape[1] in (5, 6) and len(t) > 1 and (np.diff(t) > 0).all()
-        speeds = _speeds(t, points) if moves else np.zeros(1)
+        speeds = _speeds(t, points) if moves else np.zeros(len(t))
         some = slice(None) if named else slice(1, None)  # a path starts at rest
         near = np.allclose(speeds[some], v[some], rtol=1e-6, atol=1e-6 * speeds.max())
         if named != (speeds.any() and near):

@@ -72,6 +72,8 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
     ends = np.union1d(samples, breaks)
     first = np.searchsorted(profile.terms[1:, 0], origin, side="right")
     here = np.arange(first, np.searchsorted(profile.terms[1:, 0], origin + track.length))  # segments that end
+    if limits.soft and limits.axis_jerk is None:
+        here = here[::3]  # of the three phases of a cell, along which only the jerk jumps
     met = profile.terms[1:, 0][here] - origin
     if limits.axis_jerk is not None:  # of which a segment may take more inside than at both ends
         ends = np.union1d(ends, track.parameters_at(met))
@@ -81,8 +83,6 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
     nearer = _doubtful(places, rows)
     if len(nearer):
         rows += _in_cells(*nearer.T, *seen)[1]
-    if limits.soft and limits.axis_jerk is None:
-        here, met = here[::3], met[::3]  # of the three phases of a cell, along which only the jerk jumps
     u = track.parameters_at(met)  # where two segments meet, seen from both of them
     s, (_, h, _, _, a, j) = met + origin, profile.segments.T
     off = np.abs(u - breaks[np.clip(np.searchsorted(breaks, u), 1, None) - np.array([[1], [0]])]).min(axis=0)

@@ -60,6 +60,6 @@ def test_table_of_a_tool_path(tmp_path, dim):
 
 
 def test_a_table_whose_last_line_has_no_end_is_warned_of(tmp_path):
-    (tmp_path / "cloud.csv").write_text("x,y,z\n1,2,3\n4,5,6.7")
+    (tmp_path / "cloud.csv").write_text("x,y,z\n1,2,3\n7,8,9\n4,5,6.7")
     with pytest.warns(UserWarning, match=r"cloud\.csv: its last line has no end; it may be cut off"):
-        np.testing.assert_array_equal(nl.read(tmp_path / "cloud.csv"), [(1, 2, 3), (4, 5, 6.7)])
+        np.testing.assert_array_equal(nl.read(tmp_path / "cloud.csv"), [(1, 2, 3), (7, 8, 9), (4, 5, 6.7)])
