@@ -69,3 +69,10 @@ def morton(cells):
             for d in range(dim):
                 code[i] |= ((cells[i, d] >> bit) & 1) << (dim * bit + d)
     return code
+
+
+def along_morton(points):
+    """An order ``(n,)`` of points in space along the Z-order curve."""
+    extent = np.ptp(points, axis=0).max()
+    cells = (points - points.min(axis=0)) * ((2**20 - 1) / extent if extent > 0 else 0.0)
+    return np.argsort(morton(cells.astype(np.int64)), kind="stable")

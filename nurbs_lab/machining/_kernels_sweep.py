@@ -3,7 +3,9 @@
 import numpy as np
 
 from nurbs_lab.common.kernels import ZERO, compiled, inlined
-from nurbs_lab.machining._kernels_contact import ROUNDING, rise
+from nurbs_lab.machining._kernels_contact import rise
+
+LEAF = 8  # tips
 
 
 @inlined
@@ -37,65 +39,47 @@ def depth(dx, dy, dz, shape):
     return np.sqrt(out * out + down * down) - r
 
 
-@compiled
-def into_cells(tips, low, size, nx, ny):
-    """Tips sorted into square cells: the first and the lowest tip of every cell, and the order of tips."""
-    count, lowest = np.zeros(nx * ny + 1, np.int64), np.full(nx * ny, np.inf)
-    cell = np.empty(len(tips), np.int64)
-    for i in range(len(tips)):
-        x, y = int((tips[i, 0] - low[0]) / size), int((tips[i, 1] - low[1]) / size)
-        cell[i] = min(max(x, 0), nx - 1) * ny + min(max(y, 0), ny - 1)
-        count[cell[i] + 1] += 1
-        lowest[cell[i]] = min(lowest[cell[i]], tips[i, 2])
-    first = np.cumsum(count)
-    place, order = first[:-1].copy(), np.empty(len(tips), np.int64)
-    for i in range(len(tips)):
-        order[place[cell[i]]] = i
-        place[cell[i]] += 1
-    return first, lowest, order
+@inlined
+def beside_box(boxes, node, x, y, z, shape):
+    """Signed distance of a point to a cutter, no more than that for any tip in the box."""
+    dx = max(boxes[node, 0] - x, x - boxes[node, 3], 0.0)
+    dy = max(boxes[node, 1] - y, y - boxes[node, 4], 0.0)
+    return depth(dx, dy, z - boxes[node, 2], shape)
 
 
 @compiled
-def left(points, tips, cells, shape, reach, out, which):
-    """Distance of every point to the nearest of all cutters, at most ``reach``, which may be infinite.
+def left(points, tips, boxes, shape, out, which):
+    """Lower ``out`` at every point to its distance to the nearest of all cutters, and say in ``which``.
 
-    ``which`` is the number of its tip, or any other if none is so near.
-
-    The tips are sorted into ``cells`` by `into_cells`. The tip nearest to one point gives a first distance
-    for the next; others are looked for farther and farther away. Cells whose tips are all farther away than
-    the nearest one are skipped.
+    The tips are the leaves of the tree ``boxes``, `LEAF` of them each. The nearer one of two boxes is opened
+    first. The tip nearest to one point gives a first distance for the next.
     """
-    held, w = ZERO, shape[3]
+    held, leaves, stack, gaps = ZERO, (len(boxes) + 1) // 2, np.empty(128, np.int64), np.empty(128)
     for i in range(len(points)):
-        out[i], most = np.inf, 0.5 * min(reach, w / 3.0)
-        while out[i] >= most and most < reach:
-            most = min(2.0 * most, reach)
-            out[i], held = nearest(points[i], tips, cells, shape, most, held)
-        which[i] = held
-
-
-@compiled
-def nearest(point, tips, cells, shape, most, held):
-    """Distance of a point to the nearest cutter, at most ``most``, and the number of its tip."""
-    (first, lowest, low, size, nx, ny), r, (x, y, z) = cells, shape[1], (point[0], point[1], point[2])
-    best = min(most, depth(x - tips[held, 0], y - tips[held, 1], z - tips[held, 2], shape))
-    span = shape[3] + max(best, 0.0)
-    x0, x1 = int((x - span - low[0]) / size), int((x + span - low[0]) / size)
-    y0, y1 = int((y - span - low[1]) / size), int((y + span - low[1]) / size)
-    for cx in range(max(x0, 0), min(x1, nx - 1) + 1):
-        dx = max(low[0] + cx * size - x, x - low[0] - (cx + 1) * size, 0.0)
-        for cy in range(max(y0, 0), min(y1, ny - 1) + 1):
-            cell = cx * ny + cy
-            dy = max(low[1] + cy * size - y, y - low[1] - (cy + 1) * size, 0.0)
-            if depth(dx, dy, z - lowest[cell], shape) >= best + ROUNDING * size:
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        best = min(out[i], depth(x - tips[held, 0], y - tips[held, 1], z - tips[held, 2], shape))
+        stack[0], gaps[0], waiting = 0, -np.inf, 1
+        while waiting:
+            waiting -= 1
+            node = stack[waiting]
+            if gaps[waiting] >= best:
                 continue
-            for k in range(first[cell], first[cell + 1]):
-                dz = z - tips[k, 2]
-                if r - dz < best + r:  # else the tip is too high above the point
-                    off = depth(x - tips[k, 0], y - tips[k, 1], dz, shape)
-                    if off < best:
-                        best, held = off, k
-    return best, held
+            if node < leaves - 1:
+                near, far = 2 * node + 1, 2 * node + 2
+                to_near = beside_box(boxes, near, x, y, z, shape)
+                to_far = beside_box(boxes, far, x, y, z, shape)
+                if to_far < to_near:
+                    near, far, to_near, to_far = far, near, to_far, to_near
+                stack[waiting], gaps[waiting] = far, to_far
+                stack[waiting + 1], gaps[waiting + 1] = near, to_near
+                waiting += 2
+                continue
+            start = (node - leaves + 1) * LEAF
+            for k in range(start, min(start + LEAF, len(tips))):
+                off = depth(x - tips[k, 0], y - tips[k, 1], z - tips[k, 2], shape)
+                if off < best:
+                    best, held = off, k
+        out[i], which[i] = best, held
 
 
 @compiled

@@ -173,9 +173,10 @@ def closest(fitting, samples, floor, places):
 
 def left_by(done, points, gaps, scallop):
     """By how much more than the gaps the points are away from some cutters at some tips."""
-    most = 2.0 * scallop + gaps.max(initial=0.0)
-    left = [left_over(*one, points, most)[0] for one in done]
-    return np.min([np.full(len(points), most), *left], axis=0) - gaps
+    left = np.full(len(points), 2.0 * scallop + gaps.max(initial=0.0))
+    for one in done:
+        left, _ = left_over(*one, points, left)
+    return left - gaps
 
 
 def locations(paths):

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
+from nurbs_lab.common.box_tree import along_morton, box_tree
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.common.threads import over_blocks, over_slices
 from nurbs_lab.machining import _kernels_sweep as kernels
@@ -143,19 +144,18 @@ def visible(part, samples, floor, tolerance):
 def left_over(cutter, tips, points, reach=np.inf):
     """Distance ``(n,)`` of each point to the nearest of the cutters with tips ``tips``, and which one it is.
 
-    It is negative inside. Larger distances than ``reach`` are returned as ``reach``, of any cutter.
+    It is negative inside. Larger distances than ``reach``, a number or one for each point, are returned as
+    ``reach``, of any cutter.
     """
-    out, which = np.full(len(points), float(reach)), np.zeros(len(points), int)
+    out, which = np.full(len(points), reach, float), np.zeros(len(points), int)
     if not len(tips) or not len(points):
         return out, which
-    low, high = tips.min(axis=0)[:2], tips.max(axis=0)[:2]
-    size = max(cutter.radius / 4, float((high - low).max()) / 2000)
-    nx, ny = (((high - low) / size).astype(int) + 1).tolist()
-    first, lowest, order = kernels.into_cells(tips, low, size, nx, ny)
-    tips, cells = tips[order], (first, lowest, low, size, nx, ny)
+    order = along_morton(tips)
+    tips, starts = tips[order], np.arange(0, len(tips), kernels.LEAF)
+    boxes = box_tree(np.hstack([np.minimum.reduceat(tips, starts), np.maximum.reduceat(tips, starts)]))
 
     def kernel(block):
-        kernels.left(points[block], tips, cells, cutter.shape, reach, out[block], which[block])
+        kernels.left(points[block], tips, boxes, cutter.shape, out[block], which[block])
 
     over_blocks(kernel, len(points), "measuring what is left")
     return out, order[which]

@@ -146,13 +146,21 @@ def verify(program, part, *, spacing=None) -> Verification:
     part.require_closed()
     samples = sample_surface(part, spacing)
     seen = visible(part, samples, part.bounds[0, 2], program.tolerance)
-    chain = program.chain
-    each = (_one(one, part, samples, seen) for one in chain)
-    gouges, left, found, gaps, contacts = zip(*each, strict=True)
-    near = [one.min(initial=np.inf) <= each.tolerance for one, each in zip(left, chain, strict=True)]
-    near[-1] = True
-    found, gaps = np.any(np.array(found)[near], axis=0), np.min(np.array(gaps)[near], axis=0)
-    left = np.min(left, axis=0)
+    chain, gouges, contacts = program.chain, [], []
+    left, gaps, found = np.full(len(seen), np.inf), np.full(len(seen), np.inf), np.zeros(len(seen), bool)
+    for one in reversed(chain):
+        cutter, touch, tips, before = one.cutter, contact(part, one.cutter), locations(one), left
+        deep = tips[touch.collides(tips)]
+        gouges.insert(0, np.column_stack([deep, touch.depths(deep)]))
+        contacts = [*_contacts(one, part, tips), *contacts]
+        left, _ = left_over(cutter, tips, samples.points, before)
+        if one is program or left[left < before].min(initial=np.inf) <= one.tolerance:
+            floor = part.bounds[0, 2]
+            fits, _, off = at_rest(touch, cutter, samples, floor, one.tolerance, np.empty((0, 3)))
+            if cutter.flat_radius:  # a level place may be anywhere under the disc
+                fits |= seen & (off < 2.0 * one.tolerance)
+            found |= fits
+            gaps = np.minimum(gaps, np.where(off < cutter.diameter, off, np.inf))
     if chain[0].stock is not None:
         field = material_of(as_stock(chain[0].stock), program.cutter).field
         above = field.z[field.index(samples.points[:, :2])] - samples.points[:, 2]
@@ -170,27 +178,11 @@ def verify(program, part, *, spacing=None) -> Verification:
             "narrow": share * np.count_nonzero(narrow),
         },
         facing_up=share * len(seen),
-        contacts=tuple(said for some in contacts for said in some),
+        contacts=tuple(contacts),
         narrow_points=samples.points[narrow],
         hidden_points=samples.points[~seen],
         bridged=bridged,
     )
-
-
-def _one(program, part, samples, seen):
-    """Of a program without those before it: gouges, material left, what it reaches and must leave, contacts.
-
-    What it must leave of a hole as deep as its cutter's diameter, or deeper, is infinite.
-    """
-    cutter, touch, tips = program.cutter, contact(part, program.cutter), locations(program)
-    deep = tips[touch.collides(tips)]
-    left, _ = left_over(cutter, tips, samples.points)
-    floor, most = part.bounds[0, 2], 2.0 * program.tolerance
-    found, _, gaps = at_rest(touch, cutter, samples, floor, program.tolerance, np.empty((0, 3)))
-    if cutter.flat_radius:  # a level place may be anywhere under the disc
-        found |= seen & (gaps < most)
-    gaps[gaps >= cutter.diameter] = np.inf
-    return np.column_stack([deep, touch.depths(deep)]), left, found, gaps, _contacts(program, part, tips)
 
 
 def _contacts(program, part, tips):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nurbs_lab.common.box_tree import box_tree, morton
+from nurbs_lab.common.box_tree import along_morton, box_tree
 from nurbs_lab.common.checks import as_number
 from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.common.values import Value
@@ -59,10 +59,7 @@ class TriangleTree:
 
 def triangle_tree(corners) -> TriangleTree:
     """Sort the triangles ``corners (m, 3, 3)`` into a binary tree of boxes along the Morton curve."""
-    centres = corners.mean(axis=1)
-    extent = np.ptp(centres, axis=0).max()
-    cells = (centres - centres.min(axis=0)) * ((2**20 - 1) / extent if extent > 0 else 0.0)
-    order = np.argsort(morton(cells.astype(np.int64)), kind="stable")
+    order = along_morton(corners.mean(axis=1))
     corners = np.ascontiguousarray(corners[order])
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
