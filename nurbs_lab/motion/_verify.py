@@ -17,7 +17,7 @@ _MOST_CHORDS = 500_000
 #: Name of the acceleration of the vector, beside that along the path.
 VECTOR = "acceleration of the vector"
 #: Limits that follow from the curve and allow a speed, whatever the acceleration.
-_BY_SPEED = "chord_error", "centripetal_acceleration", "axis_speed"
+BY_SPEED = "chord_error", "centripetal_acceleration", "axis_speed"
 #: Lengths along the path are known to this part of the whole.
 _ROUNDING = 1e-13
 
@@ -91,7 +91,7 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
     for k, acceleration in sides[: 1 if limits.soft and limits.axis_jerk is None else 2]:
         motion = profile.terms[here + 1, 1], acceleration, j[k]
         found = _used(track, limits, u, u, motion, by_chords)  # at a knot each side has its own acceleration
-        rows += [(name, s, s, used if name in _BY_SPEED else used * smooth) for name, used in found]
+        rows += [(name, s, s, used if name in BY_SPEED else used * smooth) for name, used in found]
     return rows
 
 
@@ -133,7 +133,7 @@ def _used(track, limits, u, seen, motion, by_chords):
     rows, (v, a, j) = [], (one[:, None] for one in motion)
     tangents, curvatures, rates = path_derivatives(track, track.spans_at(seen), u)
     caps = dict(zip(NAMES, limits.speed_table(tangents, curvatures), strict=False))
-    for name in _BY_SPEED:
+    for name in BY_SPEED:
         if getattr(limits, name) is not None and not (by_chords and name == "chord_error"):
             rows.append((name, motion[0] / caps[name]))
     vector = a * tangents + v**2 * curvatures

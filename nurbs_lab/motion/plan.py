@@ -6,7 +6,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_not_negative
 from nurbs_lab.common.executor import one_or_many
-from nurbs_lab.motion._verify import VECTOR, excesses, worst
+from nurbs_lab.motion._verify import BY_SPEED, VECTOR, excesses, worst
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import scan
@@ -19,11 +19,11 @@ _TIGHTENINGS = 4
 _ROUNDS = 12
 #: A limit may be exceeded by this part in speed, for what rounding leaves in short segments.
 _ROUNDED = 1e-7
-#: Columns of `Scan.parts` that are lowered where a limit is exceeded, and the power of the speed of each.
-_LOWERED = {VECTOR: (0, 1), "axis_acceleration": (0, 1), "axis_jerk": (0, 2), "jerk": (3,)}
-_POWERS = 1, 2, 3, 3
-#: A limit that planned motions keep everywhere but for rounding.
-_ALONG = "acceleration"
+#: Columns of `Scan.parts` that are lowered where a limit is exceeded, each by a power of the factor in speed.
+#: Planned motions keep the acceleration along the path everywhere but for rounding.
+_LOWERED = dict.fromkeys(("speed", *BY_SPEED), ((0, 1),))
+_LOWERED |= dict.fromkeys((VECTOR, "axis_acceleration"), ((0, 1), (1, 2)))
+_LOWERED |= {"axis_jerk": ((0, 1), (2, 3)), "jerk": ((3, 3),), "acceleration": ()}
 #: Factor of a limit that is cured by slowing down the whole motion instead of planning it again; a motion
 #: that is planned again is slower by as much more.
 _TOLERATED = 1.0 + 1e-5
@@ -133,7 +133,7 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
         slower = (gone or 0.0) + profile.duration * np.array([1.0, factor])
         whole = np.ceil(slower / limits.period_s - 1e-9)
         costs = gone is None or ends.any() or whole[1] > whole[0]  # to slow it down
-        if costs and (left or again) and any(row[3].max() > most for row in found if row[0] != _ALONG):
+        if costs and (left or again) and any(row[3].max() > most for row in found if _LOWERED[row[0]]):
             path, left = _tightened(path, found), max(left - 1, 0)
             motion = _motion(path, limits, ends, fineness)
             slowed = slowed and motion.profile.duration <= profile.duration
@@ -158,14 +158,13 @@ def _tightened(path, found):
     """The path with lower limits wherever the motion was too fast."""
     parts = path.parts.copy()
     for name, start, stop, factors in found:
-        if name == _ALONG:
-            continue
         first = np.maximum(np.searchsorted(path.lengths, start) - 1, 0)
         last = np.searchsorted(path.lengths, stop) + 1
-        for k in np.flatnonzero(factors > 1.0):
+        lowered = _LOWERED[name]
+        for k in np.flatnonzero(factors > 1.0) if lowered else ():
             near = slice(first[k], last[k])
-            for column in _LOWERED.get(name, (0,)):
-                lower = path.parts[near, column] / (factors[k] * _TOLERATED) ** _POWERS[column]
+            for column, power in lowered:
+                lower = path.parts[near, column] / (factors[k] * _TOLERATED) ** power
                 parts[near, column] = np.minimum(parts[near, column], lower)
     return replace(path, parts=parts)
 
