@@ -94,10 +94,10 @@ cells on the way to corners (scurve)              2, by 0.2 %
 corners left out of the trapezoid (scurve)        1, by 0.2 %
 room for turning in the first motion (scurve)     1, by 0.2 %; 0.83 of the time of planning
 own speeds on both sides of a node (scurve)       none; programs exceed speeds of their own by 1.6 %
+no margin at ends that move (scurve)              none; ends 1e-4 below the limit of a circle are refused
 ================================================  ======================================================
 
-Without effect on these parts: samples at minima of |C'|, quarters of cells, margins at ends and the latest
-tenth of a window.
+Without effect on these parts: samples at minima of |C'| and quarters of cells.
 """
 
 from nurbs_lab.motion.certificate import Certificate

@@ -224,11 +224,7 @@ def _require_joined(before, curve, number):
 
 
 def _last_even_time(profile, limits):
-    """A time well before the final braking at which the acceleration is zero and does not fall.
-
-    Of the latest tenth the fastest is taken: it lies between two valleys of the speed limit, where
-    axes have room to spare.
-    """
+    """The latest time well before the final braking at which the acceleration is zero and does not fall."""
     t, h, _, _, a, j = profile.segments.T
     level = np.abs(a) + np.abs(j) * h <= 1e-9 * limits.acceleration
     rising = np.append(False, (a[:-1] + j[:-1] * h[:-1] <= 0.0) & (a[1:] >= 0.0)) & (not limits.soft)
@@ -242,6 +238,4 @@ def _last_even_time(profile, limits):
         t[rising],
         (t + zero)[(zero >= 0.0) & (zero < h)],
     ])  # fmt: skip
-    even = even[even <= latest]
-    late = even[even >= 0.9 * even.max(initial=0.0)]
-    return float(late[profile.speed(late).argmax()]) if len(late) else 0.0
+    return float(even[even <= latest].max(initial=0.0))

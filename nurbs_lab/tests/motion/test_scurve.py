@@ -86,6 +86,13 @@ def test_a_fast_start_into_a_bend_is_planned_while_the_jerk_allows_it():
         nl.plan_feed(nl.paper.CURVE, start_speed=3.9, jerk=50.0, **limits)
 
 
+def test_ends_as_fast_as_a_circle_allows_are_planned():
+    arc = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(10, 0), (10, 10), (0, 10)], [1, np.sqrt(0.5), 1])
+    ends = {"start_speed": 99.99, "end_speed": 99.99}  # of 100 mm/s, as v² / r is the acceleration
+    feed = nl.plan_feed(arc, speed=200.0, acceleration=1000.0, jerk=2e4, period_s=1e-3, **ends)
+    assert feed.speed(0.0) == pytest.approx(99.99, rel=1e-9)
+
+
 def test_an_end_speed_that_needs_an_acceleration_is_refused_with_a_limit_of_jerk():
     """A quarter of a circle from 45 degrees on: without acceleration the speed takes v² sin(45°) / R of x."""
     arc = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(10, 10), (0, 20), (-10, 10)], [1, np.sqrt(0.5), 1])
