@@ -64,7 +64,9 @@ def sorted_order(keys):
     NumPy's own sorts take ten times as long to compile.
     """
     n, width = len(keys), 1
-    order, merged = np.arange(n), np.empty(n, np.int64)
+    order, merged = np.empty(n, np.int64), np.empty(n, np.int64)
+    for i in range(n):
+        order[i] = i
     while width < n:
         for start in range(0, n, 2 * width):
             i, middle, stop = start, min(start + width, n), min(start + 2 * width, n)
@@ -87,7 +89,7 @@ def step(vertices, i, j):
     return vertices[j, 0] - vertices[i, 0], vertices[j, 1] - vertices[i, 1], vertices[j, 2] - vertices[i, 2]
 
 
-@inlined
+@compiled
 def pair_fan(fan, triangles, vertices, low, high, opposite):
     """Pair the half-edges of a non-manifold edge so that a pair encloses material; an odd one stays alone.
 
@@ -195,7 +197,7 @@ def link(triangles, vertices, junk, opposite, kinds):
     return irregular
 
 
-@inlined
+@compiled
 def link_fan(edges, high, triangles, vertices, low, opposite, kinds):
     """Pair the half-edges of one non-manifold edge, which are moved to the front."""
     count = 0

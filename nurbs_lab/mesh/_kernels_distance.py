@@ -3,20 +3,20 @@
 import numpy as np
 
 from nurbs_lab.common.box_tree import open_box
-from nurbs_lab.common.kernels import compiled, inlined
+from nurbs_lab.common.kernels import compiled, inlined, kernel
 
 LEAF = 4
 EQUAL = 1e-9  # relative difference of squared distances that is rounding
 SAME_PLACE = 1e-22  # squared distance that is rounding, of the squared coordinates
 
 
-@inlined
+@kernel
 def dot(a, b):
     """Scalar product of two triples."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@inlined
+@kernel
 def less(a, b):
     """Difference of two triples."""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
@@ -118,7 +118,7 @@ def nearest(points, directions, corners, normals, boxes, names, out):
     return distances
 
 
-@inlined
+@kernel
 def orientation(a, b, c, d):
     """Six times the signed volume of a tetrahedron."""
     p, q, r = less(a, d), less(b, d), less(c, d)
@@ -135,7 +135,7 @@ def passes_through(p, q, a, b, c):
     return (x > 0.0 and y > 0.0 and z > 0.0) or (x < 0.0 and y < 0.0 and z < 0.0)
 
 
-@inlined
+@kernel
 def corner(corners, f, k):
     """Corner k of triangle f as a triple."""
     return (corners[f, 3 * k], corners[f, 3 * k + 1], corners[f, 3 * k + 2])

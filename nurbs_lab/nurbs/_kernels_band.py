@@ -77,8 +77,9 @@ def solve_cyclic(rows, lower, right):
     inner, out = count - border, right.copy()
     band, work = np.zeros((inner, width)), np.zeros((inner, columns + border))
     corner = np.zeros((border, 2 * border + 1))
-    work[:, :columns] = right[:inner]
     for i in range(inner):
+        for c in range(columns):
+            work[i, c] = right[i, c]
         for k in range(width):
             j = (i - lower + k) % count
             if j < inner:

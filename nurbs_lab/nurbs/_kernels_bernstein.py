@@ -34,10 +34,19 @@ def square_nets(net, centre, factors_u, factors_v, out):
 
 
 @inlined
+def squared_size(vector):
+    """The square of the length of a vector."""
+    total = 0.0
+    for part in vector:
+        total += part * part
+    return total
+
+
+@inlined
 def distance_net(squares, offset, out):
-    """D and W ``(2, 2 p + 1, 2 q + 1)`` for a point at ``offset`` from the centre."""
-    dim = offset.size
-    far = (offset**2).sum()
+    """D and W ``(2, 2 p + 1, 2 q + 1)`` for a point at ``offset`` from the centre; the largest size of D."""
+    dim, most = offset.size, 0.0
+    far = squared_size(offset)
     for i in range(out.shape[1]):
         for j in range(out.shape[2]):
             weight = squares[dim + 1, i, j]
@@ -46,6 +55,8 @@ def distance_net(squares, offset, out):
                 total -= 2.0 * offset[d] * squares[1 + d, i, j]
             out[0, i, j] = total
             out[1, i, j] = weight
+            most = max(most, abs(total))
+    return most
 
 
 @compiled
@@ -94,11 +105,11 @@ def twist(gap):
 
 
 @compiled
-def doubtful_axis(gap, noise):
+def doubtful_axis(gap, least, noise):
     """The axis to halve, or -1 if the polynomial is convex or nowhere negative, by its coefficients."""
-    gap = lowest_edge(lowest_edge(gap).T).T
-    if gap.min() >= -noise:
+    if least >= -noise:
         return -1
+    gap = lowest_edge(lowest_edge(gap[:, :]).T).T  # strides of any kind: one type for the compiler
     least_u, most_u = second_derivatives(gap)
     least_v, most_v = second_derivatives(gap.T)
     least_u, least_v, mixed = least_u + noise, least_v + noise, twist(gap)

@@ -17,6 +17,7 @@ from nurbs_lab.nurbs._kernels_bernstein import (
     excess,
     halve,
     square_nets,
+    squared_size,
 )
 
 ITERATIONS = 100
@@ -70,12 +71,6 @@ def square_jet(net, point, s, t, work):
     return jet[0]
 
 
-@compiled
-def rounding(point):
-    """Squared distances below this value are zero."""
-    return ROUNDING**2 * (point**2).sum()
-
-
 @inlined
 def descend(net, point, cell, s, t, work):
     """Least |S(s, t) - point|^2 on a cell of a patch, by Newton from (s, t): (s, t, square).
@@ -84,7 +79,7 @@ def descend(net, point, cell, s, t, work):
     """
     low_s, high_s, low_t, high_t = cell
     best = square_jet(net, point, s, t, work)
-    floor = rounding(point)
+    floor = ROUNDING**2 * squared_size(point)
     for _ in range(ITERATIONS):
         _, gs, gt, hss, hst, htt, ss, tt = work[-1]
         # at an edge of the cell or at a pole one parameter is fixed, and the other moves alone
@@ -133,8 +128,7 @@ def search_leaf(net, squares, offset, point, best, room, work):
     cells, spots, depths, gap = room
     rows, across = gap.shape
     nearest_s = nearest_t = 0.0
-    distance_net(squares, offset, cells[0])
-    noise = NOISE * np.abs(cells[0, 0]).max()
+    noise = NOISE * distance_net(squares, offset, cells[0])
     for k in range(4):
         spots[0, k] = k % 2
     depths[0] = 0
@@ -145,15 +139,15 @@ def search_leaf(net, squares, offset, point, best, room, work):
         i, j = excess(cell, best * (1 - TIE), gap)
         if gap[i, j] >= 0.0:
             continue
-        axis = doubtful_axis(gap, noise) if depth % EVERY else -1
+        axis = doubtful_axis(gap, gap[i, j], noise) if depth % EVERY else -1
         if axis < 0:
             s = spot[0] + (spot[1] - spot[0]) * (i / max(rows - 1, 1))
             t = spot[2] + (spot[3] - spot[2]) * (j / max(across - 1, 1))
             s, t, square = descend(net, point, spot, s, t, work)
             if square < best:
                 nearest_s, nearest_t, best = s, t, square
-            excess(cell, square * (1 - TIE), gap)
-            axis = doubtful_axis(gap, noise)
+            i, j = excess(cell, square * (1 - TIE), gap)
+            axis = doubtful_axis(gap, gap[i, j], noise)
             if axis < 0 or depth == DEEPEST:
                 continue
         other = undecided + 1
@@ -163,9 +157,9 @@ def search_leaf(net, squares, offset, point, best, room, work):
         spot[2 * axis + 1] = spots[other, 2 * axis] = 0.5 * (spot[2 * axis] + spot[2 * axis + 1])
         for part in range(2):
             if axis == 0:
-                halve(cell[part], cells[other, part])
+                halve(cell[part, :, :], cells[other, part, :, :])
             else:
-                halve(cell[part].T, cells[other, part].T)
+                halve(cell[part, :, :].T, cells[other, part, :, :].T)
         undecided += 2
     return nearest_s, nearest_t, best
 
@@ -197,9 +191,10 @@ def closest(boxes, nets, pieces, factors, points, uv, distance):
     )
     stack = np.empty(64, dtype=np.int64)
     bounds = np.empty(64)
+    centre, offset = np.empty(columns - 1), np.empty(columns - 1)
     for k in range(len(points)):
         point = points[k]
-        stack[0], bounds[0] = 0, rounding(point)
+        stack[0], bounds[0] = 0, ROUNDING**2 * squared_size(point)
         best, waiting = np.inf, 1
         while waiting > 0:
             waiting -= 1
@@ -210,11 +205,13 @@ def closest(boxes, nets, pieces, factors, points, uv, distance):
                 waiting = open_box(boxes, node, point, stack, bounds, waiting)
                 continue
             here = node - inner
-            centre = 0.5 * (boxes[node, : point.size] + boxes[node, point.size :])
+            for d in range(point.size):
+                centre[d] = 0.5 * (boxes[node, d] + boxes[node, point.size + d])
+                offset[d] = point[d] - centre[d]
             if not ready[here]:
                 square_nets(nets[here], centre, factors[0], factors[1], squares[here])
                 ready[here] = True
-            s, t, square = search_leaf(nets[here], squares[here], point - centre, point, best, room, work)
+            s, t, square = search_leaf(nets[here], squares[here], offset, point, best, room, work)
             if square < best:
                 best = square
                 u0, u1, v0, v1 = pieces[here]

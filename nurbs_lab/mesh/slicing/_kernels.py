@@ -240,9 +240,19 @@ def inside_polygon(points, x, y):
 
 
 @compiled
-def inner_point(points):
-    """A point well inside: the middle of the widest cut at half height."""
-    y = 0.5 * (points[:, 1].min() + points[:, 1].max())
+def extent(points):
+    """The least and the largest x, and the least and the largest y."""
+    least_x = most_x = points[0, 0]
+    least_y = most_y = points[0, 1]
+    for i in range(1, len(points)):
+        least_x, most_x = min(least_x, points[i, 0]), max(most_x, points[i, 0])
+        least_y, most_y = min(least_y, points[i, 1]), max(most_y, points[i, 1])
+    return least_x, most_x, least_y, most_y
+
+
+@compiled
+def inner_point(points, y):
+    """A point well inside: the middle of the widest cut at the height y."""
     cuts = np.empty(len(points))
     n = 0
     j = len(points) - 1
@@ -275,9 +285,8 @@ def nest(points, begins, plane, closed, nonzero):
         if closed[c]:
             loop = points[begins[c] : begins[c + 1]]
             area[c] = signed_area(loop)
-            inner[c, 0], inner[c, 1] = inner_point(loop)
-            box[c, 0], box[c, 1] = loop[:, 0].min(), loop[:, 0].max()
-            box[c, 2], box[c, 3] = loop[:, 1].min(), loop[:, 1].max()
+            box[c, 0], box[c, 1], box[c, 2], box[c, 3] = extent(loop)
+            inner[c, 0], inner[c, 1] = inner_point(loop, 0.5 * (box[c, 2] + box[c, 3]))
     depth = np.zeros(count, np.int32)
     parent = np.full(count, -1, np.int32)
     left_out = np.zeros(count, np.bool_)

@@ -78,7 +78,9 @@ def remember(log, end, halves, picture, count):
     """Append a collapse to the log, which may become longer: half-edges and their flat picture; its end."""
     if end + count + 1 > len(log):
         longer = np.empty((2 * len(log) + count + 1, 3))
-        longer[:end] = log[:end]
+        for j in range(end):
+            for k in range(3):
+                longer[j, k] = log[j, k]
         log = longer
     for j in range(count):
         log[end + j, 0], log[end + j, 1], log[end + j, 2] = halves[j], picture[0, j], picture[1, j]
@@ -181,7 +183,8 @@ def coarsen(mesh, weight, most_cost, least_chord):
         log, end = remember(log, end, halves, picture, count)
         collapse(mesh, halves, count, other, merged)
         left -= 2
-        quadrics[v] += quadrics[u]
+        for k in range(quadrics.shape[1]):
+            quadrics[v, k] += quadrics[u, k]
         weight[v] = max(weight[u], weight[v])
         stamp[v] = step  # never a value it had before
         size = ring_of(mesh.triangles, mesh.opposite, mesh.out[v], halves, ring)
