@@ -31,9 +31,6 @@ features._PINNED         1e6           5, up to 6.6 x        at 1e4 -2
 features._LEAST_CHORD    0.94          arcs of half a hole   at 0.97 2.6 times the faces of a plate
 features._JAGGED         4 reaches     spleen 2.3 times      the same; +0
 quads._LONE              4                                   +2; +0
-quads._TREES             32            +3                    of 8 +1
-quads._STRAIGHT          4, then 50    50 alone +2           +1
-quads._IDLE              60                                  at 20 +2; at 200 +0
 space._STRAIGHT          20 degrees    +11                   -2; +10
 space._LEAST_ANGLE       20 degrees    +2, 1.7 x             -2; +0, 1.4 x
 LEAST_COSINE (ring)      0.2                                 +0; +4, 1.7 x

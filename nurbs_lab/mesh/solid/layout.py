@@ -103,7 +103,7 @@ def lay_out(mesh: Surfels, weight, most_cost) -> tuple[Layout, Chart]:
     pairs, alone, diagonals = quads.polygons(triangles, opposite, joint)
     number, count, parts = len(mesh.vertices), len(opposite), []
     middle = number + np.minimum(np.arange(count), opposite)  # of edges; then those of polygons
-    ways = quads.ways_to_cut(triangles, opposite, sharp, pairs, alone)
+    ways = quads.ways_to_cut(opposite, sharp, pairs, alone)
     for sides, parents, way in ((pairs, diagonals, ways[0]), (alone, alone[:, 2], ways[1])):
         hubs = number + count + parents
         nodes = np.column_stack([triangles.ravel()[sides], middle[sides], hubs])

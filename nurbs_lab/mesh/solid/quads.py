@@ -7,16 +7,12 @@ triangle left alone, and an even number every pair: each of them then falls into
 import numpy as np
 from scipy.optimize import LinearConstraint, milp
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import breadth_first_order
 
 from nurbs_lab.mesh.core import components
 from nurbs_lab.mesh.solid._kernels_ring import after, before
 from nurbs_lab.mesh.solid.features import corner_angles
 
 _LONE = 4.0  # cost of a triangle left alone; a corner that is off by a right angle costs 1
-_TREES = 32  # of polygons, from which the search for halved sides starts
-_STRAIGHT = 4.0, 50.0  # cost of a straight angle in that search, at first and then
-_IDLE = 60  # turns that make nothing better, after which a round of it ends
 
 # Pieces of polygons by which of their sides are halved: first the corners 0, 1, ... of the polygon, then the
 # middles of the sides that follow them, and last the middle of all. Other sides follow by rotation.
@@ -74,20 +70,13 @@ def pair(mesh, triangles, opposite, sharp):
     ends = angles[edges] + angles[after(across)], angles[after(edges)] + angles[across]
     corners = np.stack([*ends, angles[before(edges)], angles[before(across)]])
     cost = ((corners / 90.0 - 1.0) ** 2).sum(axis=0) - 2.0 * _LONE
+    owners = edges // 3, across // 3, m + sector[edges], m + sector[across]
     most = np.concatenate([np.ones(m), spare])
-    owners = np.concatenate([edges // 3, across // 3, m + sector[edges], m + sector[across]])
-    places = _table(owners, np.tile(np.arange(len(edges)), 4), (len(most), len(edges)))
-    limit, options = LinearConstraint(places, -np.inf, most), {"mip_rel_gap": 0.02, "node_limit": 1}
-    found = milp(cost, integrality=np.ones(len(cost)), bounds=(0, 1), constraints=limit, options=options)
-    chosen = np.zeros(len(cost), dtype=bool) if found.x is None else found.x > 0.5
+    chosen = _least(cost, [[(owner, 1.0) for owner in owners]], -np.inf, most)
+    chosen = np.zeros(len(cost), dtype=bool) if chosen is None else chosen
     joint = np.full(m, -1)
     joint[edges[chosen] // 3], joint[across[chosen] // 3] = edges[chosen], across[chosen]
     return joint
-
-
-def _table(rows, columns, shape):
-    """A sparse table of ones."""
-    return coo_array((np.ones(len(rows)), (rows, columns)), shape=shape).tocsr()
 
 
 def polygons(triangles, opposite, joint):
@@ -99,104 +88,51 @@ def polygons(triangles, opposite, joint):
     return np.column_stack(sides), 3 * alone[:, None] + np.arange(3), diagonals
 
 
-def ways_to_cut(triangles, opposite, sharp, pairs, alone):
-    """Which of its `WAYS` cuts every pair, and every lone triangle, so that there are few pieces in all.
+def ways_to_cut(opposite, sharp, pairs, alone):
+    """Which of its `WAYS` cuts every pair, and every lone triangle, so that there are fewest pieces in all.
 
-    A polygon is cut by the set of its halved sides, as bits: an even number for pairs, an odd one for lone
-    triangles. The search starts with paths along a tree of polygons, and takes the best of some trees.
+    Each polygon is cut in one way, and neighbours agree about their edge. A lone triangle whose only halved
+    side is sharp, or that of another such triangle, would have a straight angle there: none is cut so. To
+    halve all sides is always possible.
     """
-    first, count = len(pairs), len(pairs) + len(alone)
-    owner, bit, begins = (np.full(len(opposite), k) for k in (-1, 0, 0))
-    price, codes = np.zeros((count, 16)), []
-    for sides, names in ((pairs, np.arange(first)), (alone, np.arange(first, count))):
-        marks, parts = zip(*WAYS[sides.shape[1]], strict=True)
-        owner[sides], bit[sides] = names[:, None], 1 << np.arange(sides.shape[1])
-        begins[sides] = bit[sides] | np.roll(bit[sides], 1, axis=1)
-        codes.append(np.array(marks) @ (1 << np.arange(sides.shape[1])))
-        price[names[:, None], codes[-1]] = list(map(len, parts))
-    search = _Search(triangles, opposite, sharp, owner, bit, begins, price, alone)
-    used = np.flatnonzero(owner >= 0)
-    there = owner[opposite[used]]
-    across = dict(zip(zip(owner[used].tolist(), there.tolist(), strict=True), used.tolist(), strict=True))
-    links, found = _table(owner[used], there, (count, count)), []
-    for root in np.linspace(0, count - 1, _TREES if len(alone) else 1).astype(int):
-        order, towards = breadth_first_order(links, root)
-        halved, odd = np.zeros(count, dtype=np.int64), np.arange(count) >= first
-        for k in order[:0:-1]:
-            if odd[k]:
-                half, odd[towards[k]] = across[k, towards[k]], not odd[towards[k]]
-                halved[k] ^= bit[half]
-                halved[towards[k]] ^= bit[opposite[half]]
-        for straight in _STRAIGHT:
-            halved = search.improved(halved, straight)
-        found.append((search.cost(halved, straight), len(found), halved))
-    halved = min(found)[2]
-    return tuple(
-        (mine[:, None] == of).argmax(axis=1)
-        for mine, of in zip(np.split(halved, [first]), codes, strict=True)
-    )
+    half, count = np.arange(len(opposite)), len(opposite)
+    edge, sign = np.minimum(half, opposite), np.where(half < opposite, 1.0, -1.0)
+    entries, price, whole, first = [], [], [], 0
+    for sides in (pairs, alone):
+        names = 2 * count + first + np.arange(len(sides))
+        for marks, parts in WAYS[sides.shape[1]]:
+            halved = sides[:, np.flatnonzero(marks)].T
+            entries.append([(names, 1.0), *((edge[h], sign[h]) for h in halved)])
+            if len(halved) == 1:
+                entries[-1].append((count + edge[halved[0]], 1.0))
+            price.append(np.full(len(sides), len(parts)))
+            whole.append(np.full(len(sides), all(marks)))
+        first += len(sides)
+    limits = np.concatenate([0 * half, ~sharp, np.ones(first)])
+    least = np.where(np.arange(len(limits)) < 2 * count, 0, 1)
+    chosen = _least(np.concatenate(price), entries, least, limits)
+    chosen = np.concatenate(whole) if chosen is None else chosen
+    parts = np.split(chosen, [len(pairs) * len(WAYS[4])])
+    return tuple(part.reshape(len(WAYS[n]), -1).argmax(axis=0) for n, part in zip((4, 3), parts, strict=True))
 
 
-class _Search:
-    """Which sides are halved, improved by turns of vertices (Kernighan and Lin 1970).
+def _least(price, entries, least, most):
+    """The cheapest choice under linear conditions, by integer linear programming; None if none was found.
 
-    A turn halves the edges at a vertex that are not, and no others there: that changes two sides of every
-    polygon around it, so the numbers stay even and odd. A lone triangle whose only halved side is sharp, or
-    that of another such triangle, would have a straight angle there, which costs extra.
+    ``entries`` are, for every block of choices, their rows and values in the conditions.
     """
-
-    def __init__(self, triangles, opposite, sharp, owner, bit, begins, price, alone):
-        used = np.flatnonzero(owner >= 0)
-        tails = triangles.ravel()
-        self.turn, self.price, self.wrong = (tails[used], owner[used], begins[used]), price, 0.0 * price
-        lone = alone.ravel()
-        self.wrong[owner[lone], bit[lone]] = sharp[lone]
-        here = lone[~sharp[lone] & (lone < opposite[lone]) & np.isin(opposite[lone], lone)]
-        there, none = opposite[here], 0 * here
-        self.sides = owner[here], bit[here], owner[there], bit[there]
-        ends = (
-            (tails[here], begins[here], begins[after(there)]),
-            (tails[there], begins[after(here)], begins[there]),
-            (tails[before(here)], begins[before(here)], none),
-            (tails[before(there)], none, begins[before(there)]),
-        )
-        beside = [np.concatenate(column) for column in zip(*ends, strict=True)]
-        self.beside = [*(np.tile(one, 4) for one in self.sides), *beside]
-
-    def cost(self, halved, straight):
-        """Number of pieces, and ``straight`` for every straight angle."""
-        p, a, q, b = self.sides
-        mine = np.arange(len(halved)), halved
-        double = np.count_nonzero((halved[p] == a) & (halved[q] == b))
-        return self.price[mine].sum() + straight * (self.wrong[mine].sum() + double)
-
-    def gains(self, halved, straight):
-        """What turning each vertex adds to the cost."""
-        vertex, polygon, both = self.turn
-        p, a, q, b, one, here, there = self.beside
-        count, price = vertex.max() + 1, self.price + straight * self.wrong
-        change = price[polygon, halved[polygon] ^ both] - price[polygon, halved[polygon]]
-        was = (halved[p] == a) & (halved[q] == b)
-        will = (halved[p] ^ here == a) & (halved[q] ^ there == b)
-        return np.bincount(vertex, change, count) + straight * np.bincount(one, 1.0 * will - was, count)
-
-    def improved(self, halved, straight):
-        """The best set on a way of turns, each the best of those left; repeated until none is better."""
-        vertex, polygon, both = self.turn
-        while True:
-            best, total, least, since, now = halved, 0.0, 0.0, 0, halved.copy()
-            free = np.bincount(vertex) > 0
-            while free.any() and since < _IDLE:
-                gains = np.where(free, self.gains(now, straight), np.inf)
-                turned = int(gains.argmin())
-                around = vertex == turned
-                np.bitwise_xor.at(now, polygon[around], both[around])
-                free[turned], total, since = False, total + gains[turned], since + 1
-                if total < least:
-                    best, least, since = now.copy(), total, 0
-            if best is halved:
-                return halved
-            halved = best
+    rows, columns, values, begin = [], [], [], 0
+    for block in entries:
+        for row, value in block:
+            rows.append(row)
+            columns.append(begin + np.arange(len(row)))
+            values.append(np.broadcast_to(value, row.shape))
+        begin += len(block[0][0])
+    places = np.concatenate(rows), np.concatenate(columns)
+    table = coo_array((np.concatenate(values), places), shape=(len(most), len(price))).tocsr()
+    limits, options = LinearConstraint(table, least, most), {"mip_rel_gap": 0.02, "node_limit": 1}
+    found = milp(price, integrality=np.ones(len(price)), bounds=(0, 1), constraints=limits, options=options)
+    return None if found.x is None else found.x > 0.5
 
 
 def pieces(nodes, sharp, curves, diagonals, ways):

@@ -86,7 +86,7 @@ def test_lone_triangles_fall_into_as_few_pieces_as_can_be(seed):
             facing = halved[pairs][:, 0] == halved[pairs][:, 2]
             cut = np.where(even == 2, np.where(facing, 2, 3), np.where(even == 0, 1, 4))
             least = min(least, cut.sum() + odd.sum())
-    ways = quads.ways_to_cut(triangles, opposite, sharp, pairs, alone)
+    ways = quads.ways_to_cut(opposite, sharp, pairs, alone)
     assert (
         sum(len(quads.WAYS[n][way][1]) for n, some in zip((4, 3), ways, strict=True) for way in some) == least
     )
