@@ -11,7 +11,10 @@ HOLES |= dict.fromkeys(("87", "88", "202"), "86") | dict.fromkeys(("206", "207")
 
 
 def hole_of_siemens(found):
-    """A cycle: heights R, Z, L, and I above the surface, peck Q, feed F; called once, P1, or by moves, P2."""
+    """A cycle: heights R, Z, L, and I above the surface, feed F; called once, P1, or by moves, P2.
+
+    Pecks are Q deep, and each is J (DAM) less deep than the one before. A factor, below zero, is refused.
+    """
     given = {
         i: float(text) for i, text in enumerate(found[3].split(",")) if re.fullmatch(NUMBER, text.strip())
     }
@@ -21,6 +24,7 @@ def hole_of_siemens(found):
     words["R"] = surface + words["I"]
     if code == "83":
         words["Q"] = surface - given[5] if 5 in given else given.get(6)
+        words["J"] = less if (less := given.get(7, 0.0)) >= 0.0 else None
         code = "83" if given.get(11) else "73"
     elif code == "84":
         words["F"] = given[8] * given[10] if {8, 10} <= given.keys() else None
@@ -30,9 +34,9 @@ def hole_of_siemens(found):
 
 
 def hole_of_heidenhain(found):
-    """A cycle of Heidenhain, which M99 calls; K is the pitch of a thread."""
+    """A cycle of Heidenhain, which M99 calls; K is the pitch of a thread. Shrinking pecks are refused."""
     given = {int(key): float(value) for key, value in re.findall(rf"Q(\d+)\s*=\s*({NUMBER})", found[2])}
-    surface = given.get(203, math.nan)
+    surface = math.nan if given.get(212) else given.get(203, math.nan)
     heights = {"I": given.get(200, math.nan), "Z": surface + given.get(201, math.nan)}
     heights |= {"R": surface + heights["I"], "L": surface + max(heights["I"], given.get(204, 0.0))}
     others = {letter: given[key] for letter, key in (("Q", 202), ("F", 206), ("K", 239)) if key in given}

@@ -256,8 +256,8 @@ class Shapes:
             why = "without G98 or G99, and comes back to where it began, as after G98"
             self.left_out[f"G{self.cycle}", why] += 1
         first = top - hole.get("I", 0.0)  # the surface from which Siemens and Heidenhain count their pecks
-        steps = math.ceil((first - bottom) / hole["Q"] - 1e-9) if peck else 1
-        if not (0 <= times == int(times) and times * max(steps, 1) <= MOST_PECKS) or bottom > top:
+        depths = _pecks(first - bottom, hole["Q"], hole.get("J", 0.0)) if peck else []
+        if not (0 <= times == int(times) and times * (len(depths) + 1) <= MOST_PECKS) or bottom > top:
             raise ValueError(f"its hole is above R, or takes more than {MOST_PECKS} steps; mend it")
         if not known or self.level < top:
             self._along(axis, top, known)
@@ -269,11 +269,11 @@ class Shapes:
             end[axis] = max(self.position[axis], level) if block else self.position[axis]
             self._add(end, known, rapid=True)
             self._along(axis, top)
-            for step in range(1, steps):
-                self._along(axis, first - step * hole["Q"], rapid=False)
+            for depth in depths:
+                self._along(axis, first - depth, rapid=False)
                 if peck == "top":
                     self._along(axis, top)
-                self._along(axis, first - step * hole["Q"] + CLEAR_MM)
+                self._along(axis, first - depth + CLEAR_MM)
             self._along(axis, bottom, rapid=False)
             if slowly:
                 self._along(axis, top, rapid=False)
@@ -288,7 +288,8 @@ class Shapes:
             self.feed = self._by_turn(words["K"] * self.unit)
         elif "F" in words:
             self._set_feed(words["F"])
-        self.cycle, self.hole, self.retract, self.absolute = cycle, {"I": words["I"]}, "level", True
+        self.cycle, self.retract, self.absolute = cycle, "level", True
+        self.hole = {letter: words[letter] for letter in "IJ" if letter in words}
         self.level = self._absolute(axis, words["L"])
         self._drill({AXES[axis]: words["Z"]} | {letter: words[letter] for letter in "RQ" if letter in words})
         vars(self).update(before)
@@ -297,6 +298,16 @@ class Shapes:
     def _along(self, axis, height, known=True, rapid=True):
         known = known and None not in self.known
         self._add([*self.position[:axis], height, *self.position[axis + 1 :]], known, rapid=rapid)
+
+
+def _pecks(depth, stroke, less):
+    """Depths of the pecks before the last: each is ``less`` less deep, to ``less``; the last two equal."""
+    depths = []
+    while len(depths) < MOST_PECKS and (left := depth - sum(depths[-1:])) > stroke * (1.0 + 1e-9):
+        stroke = 0.5 * left if stroke == less and left < 2.0 * less else stroke
+        depths.append(sum(depths[-1:]) + stroke)
+        stroke = max(stroke - less, min(stroke, less))
+    return depths
 
 
 def shown_words(block):

@@ -31,7 +31,7 @@ G_WORDS = {
     330: ("motion", "thread", ""),
     **{10 * code: ("motion", "drill", "") for code in CYCLES},
     800: ("nothing", None, ""),  # beside a motion
-    **{-10 * code: ("hole", code, "RZILQFKP") for code in CYCLES},  # of Siemens and Heidenhain
+    **{-10 * code: ("hole", code, "RZILQJFKP") for code in CYCLES},  # of Siemens and Heidenhain
     -800: ("hole", None, ""),
     150: ("polar", False, ""),
     160: ("polar", True, ""),

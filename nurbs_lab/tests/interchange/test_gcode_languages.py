@@ -121,11 +121,14 @@ DRILLED = """0 BEGIN PGM A MM
 6 L X+8 FMAX M99
 7 END PGM A MM"""
 CALLED = "G17 G90 F60 S1000\nG0 X1 Y2 Z20\n{}\nX1 Y2\nG0 X8\nMCALL\nX5\nM30"
-#: The same two holes, from 3 to -6 in pecks of 4 from the surface at 1, and then up to 10.
+#: The same two holes, from 3 to -6 in pecks of 4 from the surface at 1, and then up to 10; some by smaller
+#: pecks, of which those of Siemens end in two of equal depth.
 HOLES = {
     DRILLED: [-3.0, -6.0],
     CALLED.format("MCALL CYCLE83(10,1,2,-6,,-3,,0,0,0,1,1)"): [-3.0, -6.0],
     CALLED.format("MCALL CYCLE83(10,1,2,-6,,,4,0,0,0,1,0)"): [-3.0, -6.0],
+    CALLED.format("MCALL CYCLE83(10,1,2,-6,,,3,1,0,0,1,1)"): [-2.0, -4.0, -5.0, -6.0],
+    CALLED.format("MCALL CYCLE83(10,1,2,-6.5,,,3,1,0,0,1,1)"): [-2.0, -4.0, -5.0, -5.75, -6.5],
     CALLED.format("N5 MCALL CYCLE81(10, 1, 2, , 7)"): [-6.0],
     CALLED.format("MCALL CYCLE84(10,1,2,-6,,0,3,,0.06,0,1000)"): [-6.0, 3.0],
 }
