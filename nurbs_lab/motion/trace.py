@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_kind, as_positive, extent
+from nurbs_lab.common.checks import as_kind, as_number, as_positive, extent
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.feed import MOST_SAMPLES, FeedProfile, constant_feed
@@ -93,7 +93,9 @@ def job_of(curve, feed, period_s, override=None):
     if not isinstance(feed, FeedProfile):
         if period_s is None:
             raise ValueError("period_s is missing: a feed given as one number has no period of its own")
-        feed = constant_feed(track.length, as_positive("feed", feed), period_s)
+        speed = as_positive("feed", feed)
+        as_number("the time that feed takes", track.length / speed)
+        feed = constant_feed(track.length, speed, period_s)
     elif period_s is not None and abs(period_s - feed.period_s) > PERIODS_AGREE * feed.period_s:
         raise ValueError(
             f"period_s = {period_s:g} s is not that of the plan, {feed.period_s:g} s, which its limit of the "

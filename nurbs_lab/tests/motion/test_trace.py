@@ -49,6 +49,7 @@ def test_statistics_tell_steps_apart_that_meet_a_knot_or_a_corner():
         ({"stepper": "qqq"}, ValueError, "choose from"),
         ({"period_s": None}, ValueError, "period_s"),
         ({"period_s": 5.0}, ValueError, "shorter than one step"),
+        ({"feed": 1e-300}, ValueError, "the time that feed takes is"),
         ({"trials": 2}, TypeError, "'adams' has no option 'trials'; it takes none"),
         ({"stepper": "taylor3", "order": 1e101}, TypeError, "'taylor3' has no option 'order'"),
         ({"stepper": "rk4", "order": [4]}, TypeError, "'rk4' has no option 'order'"),
@@ -58,7 +59,7 @@ def test_statistics_tell_steps_apart_that_meet_a_knot_or_a_corner():
 )
 def test_refusals(wrong, kind, words):
     with pytest.raises(kind, match=words):
-        nl.trace(nl.paper.CURVE, 4.0, **{"period_s": 1e-3, **wrong})
+        nl.trace(nl.paper.CURVE, **{"feed": 4.0, "period_s": 1e-3, **wrong})
 
 
 @pytest.mark.parametrize(
