@@ -218,10 +218,11 @@ class Conversation:
         yield from self.ask(BOARD_CONTROL, ENABLE)
 
     def refill(self, status=0):
-        """Load the next bank if it is open."""
-        if self.batches and not status & LOADED << self.bank:
+        """Load the next bank if it is open; whether it was."""
+        if opened := bool(self.batches) and not status & LOADED << self.bank:
             yield from self.write(self.batches.pop(0))
             self.bank ^= 1
+        return opened
 
     def compare(self, twin, scales, status):
         """Make sure that the board ran the points of the twin."""

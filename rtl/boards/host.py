@@ -222,15 +222,17 @@ class Machine:
         left_s, status = len(twin.u) * period_s, None
         try:
             while not (status and status.ended):
+                begun_s = self.port.time_s
                 self.port.sleep(say.PAUSE_S)
                 status = self.status()
+                left_s -= (self.port.time_s - begun_s) * self.rate / 256
                 if not status.placed:
                     raise RuntimeError(
                         f"the board stopped: {', '.join(status.flags) or 'the drivers are disabled'}"
                     )
-                self.converse(self.talk.refill(status.register))
-                left_s -= say.PAUSE_S * self.rate / 256
-                if left_s < -say.MARGIN_S and self.rate and not status.awaited:
+                if self.converse(self.talk.refill(status.register)) and status.awaited:
+                    left_s += say.MARGIN_S  # the tool had slowed down
+                if left_s < -say.MARGIN_S and self.rate:
                     raise RuntimeError(f"the board does not end: {len(twin.u) * period_s:.3g} s were planned")
                 yield status
             stopped = [flag for flag in status.flags if flag in FAULTS.values() and flag != "aborted"]
@@ -299,7 +301,8 @@ class Machine:
         running, self.running = self.running, False
         if running and not self.status().ended:
             self.abort()
-            for _ in range(round(say.MARGIN_S / say.PAUSE_S)):
+            until_s = self.port.time_s + say.MARGIN_S
+            while self.port.time_s < until_s:
                 self.port.sleep(say.PAUSE_S)
                 status = self.status()
                 if status.ended or not status.busy:

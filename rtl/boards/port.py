@@ -52,6 +52,10 @@ class Port:
     def sleep(self, seconds):
         time.sleep(seconds)
 
+    @property
+    def time_s(self):
+        return time.monotonic()
+
     def exchange(self, request: bytes) -> bytes:
         """Send a request; what comes back within `PATIENCE_S`, however slowly it drips."""
         try:

@@ -150,11 +150,20 @@ def test_a_port_is_bare_and_of_one_program(monkeypatch):
 def test_a_board_that_never_ends_is_given_up_and_another_path_is_noticed(monkeypatch):
     """In the simulation's own time, which has to be little more than the planned one."""
     program = line_program()
-    board = host.Simulation()
-    monkeypatch.setattr(board, "period", lambda: None)
-    with pytest.raises(RuntimeError, match="does not end"), host.Machine(board) as machine:
-        list(machine.run(program, PERIOD_S))
-    assert board.time_s < len(run_exact(program).u) * PERIOD_S + 3 * say.MARGIN_S
+    waits = say.BUSY | say.AWAITED | say.LOADED | say.LOADED << 1  # for a bank, with both banks full
+
+    def late(request):
+        board.sleep(0.2)
+        return host.Simulation.exchange(board, request)
+
+    still = {"period": lambda: None}
+    for faults in (still, {"status": lambda: waits}, still | {"exchange": late}):
+        board = host.Simulation()
+        for name, fault in faults.items():
+            monkeypatch.setattr(board, name, fault)
+        with pytest.raises(RuntimeError, match="does not end"), host.Machine(board) as machine:
+            list(machine.run(program, PERIOD_S))
+        assert board.time_s < len(run_exact(program).u) * PERIOD_S + 6 * say.MARGIN_S
     board = host.Simulation()
     monkeypatch.setattr("nurbs_lab_board.simulated.points_checksum", lambda *_: 1)
     with pytest.raises(RuntimeError, match="did not run the twin's path"), host.Machine(board) as machine:
