@@ -24,7 +24,8 @@ FIRST_LEVEL (passes), tolerances         0.45     0, +1          0, -13
 GAP (passes), diameters                  1        0, +1; at 0 up to +10 moves elsewhere
 GRID (passes), nodes a diameter          24       0, -39         0, 0
 WIDTH (passes), step-overs               0.5      -12, -40       +3, -38
-APART (passes), step-overs               0.5      0, 0 *         0, 0 *; of 20 µm scallop +2, +4 and 0, +4
+APART (passes), step-overs               0.5      -1, +3 *       +1, +2 *
+JOIN (passes), step-overs                2        +1, +8 *       +1, 0 *
 SAME (passes), tolerances                0.1      0, 0           +4, +2; at 0 +6, -6 *
 NEAR (passes), of the step-over          0.25     0, 0           0, 0; without it bites of 19 mm, not 9 *
 LEVEL_STEP (passes), of the flat disc    1.2      +68, +57       +488, +474; of a block by a flat cutter
@@ -57,7 +58,7 @@ SLACK (rough), of the step down          0.05     -8, -6 *       +33, +6 ***; of
 =======================================  =======  =============  =============
 
 Limits of work and of memory; the first two change nothing at half and at twice, at the others an error is
-raised, cells become larger, or a search ends: RAISES 145 points of a link; FINEST_SAMPLES (finish) 1/64 of a
+raised, cells become larger, or a search ends: RAISES 289 points of a link; FINEST_SAMPLES (finish) 1/64 of a
 diameter; ROUNDS (fit) 5; TOGETHER 16 paths (fit), 65,536 samples (surface); HALVINGS 30 and _ROUNDS 60, where
 bisection and Newton's method are at rounding; MOST_NODES 5e7 and MOST_OF_TIPS 5e6 (field), of 8 and 500
 bytes; MOST_LEVELS (rough) 2,000; MOST_CELLS (stock) 4e6; MOST_SAMPLES 1e7 (surface) and, by default, 2.5e6

@@ -149,8 +149,7 @@ def covering(fitting, plan, scallop, after):
     before = np.inf
     while 0 < (poor := left > scallop).sum() < before:
         points, tips, gaps, left = points[poor], tips[poor], gaps[poor], left[poor]
-        more = plan.paths_between(tips) if np.isinf(before) else plan.short_paths(tips, left)
-        more, before = fit_paths(fitting, more), len(left)
+        more, before = fit_paths(fitting, plan.paths_through(tips, left)), len(left)
         paths += more
         left = np.minimum(left, left_by([(cutter, locations(more))], points, gaps, scallop))
     if left.max(initial=0.0) <= scallop + fitting.tolerance:

@@ -6,6 +6,8 @@ import numpy as np
 from scipy.ndimage import binary_closing, binary_dilation, minimum_filter
 from scipy.spatial import cKDTree
 
+from nurbs_lab.common.checks import lengths
+from nurbs_lab.machining._kernels_order import nearest_first
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField, tip_field
@@ -21,8 +23,9 @@ LEVEL_STEP = 1.2  # radii of the flat disc: distance of passes over level faces
 GRID = 24  # nodes of the grid along a diameter, at most
 WIDTH = 0.5  # step-overs: distance of its nodes
 HIDDEN = 0.5  # of the part's slope: where the grid shows less, it hides a step lower than its cells are wide
-NEAR = 0.25  # fraction of the step-over: a waterline farther from the part than this is dropped
-APART = 0.5  # step-overs: least distance between the middles of short passes
+NEAR = 0.25  # step-overs: a waterline farther from the part is dropped, a tip farther from it is not at rest
+APART = 0.5  # step-overs: least distance of the tips through which further passes go
+JOIN = 2.0  # step-overs: farther apart, two of them are on two passes
 SAME = 0.1  # tolerances: a waterline this close above a lower one, as on an upright wall, is left out
 
 
@@ -83,18 +86,13 @@ class Layout:
     def paths(self, tips):
         """The first passes near the tips ``(n, 3)``, enough on surfaces of small curvature."""
         slope, wanted = self.slope, self._near(tips)
-        paths = self._waterlines(wanted & self._steep, 0.0)
+        paths = self._waterlines(wanted & (slope > SPLIT), self._levels(), first=True)
         level = (slope <= LEVEL) & (self.level_step > self.step)
-        for some, spacing in ((level, self.level_step), ((slope <= SPLIT) & ~level, None)):
-            size = max(2, int(np.ceil(self.cutter.flat_radius / self.field.step))) if spacing else 2
-            some = binary_dilation(some & wanted, np.ones((3, 3)), iterations=size)
-            paths += self._raster(some, 0.0, spacing)
+        size = max(2, int(np.ceil(self.cutter.flat_radius / self.field.step)))
+        gentle, spacing = (slope <= SPLIT) & ~level, self.step * np.cos(SPLIT)
+        for some, apart, by in ((level, self.level_step, size), (gentle, spacing, 2)):
+            paths += self._raster(binary_dilation(some & wanted, np.ones((3, 3)), iterations=by), apart)
         return paths
-
-    @property
-    def _steep(self):
-        """The nodes on steep slopes and next to them, so that waterlines follow their feet."""
-        return binary_dilation(self.slope > SPLIT, np.ones((3, 3)))
 
     def _near(self, tips):
         """The nodes next to a tip."""
@@ -102,32 +100,50 @@ class Layout:
         near[self.field.index(tips[:, :2])] = True
         return binary_dilation(near, np.ones((3, 3)))
 
-    def paths_between(self, tips):
-        """Passes near the tips ``(n, 3)``, half-way between the first ones."""
-        near = self._near(tips)
-        return self._waterlines(near & self._steep, 0.5) + self._raster(near & (self.slope <= SPLIT), 0.5)
+    def paths_through(self, tips, left):
+        """Passes through those of the tips ``(n, 3)`` where most is ``left``, from each to the nearest one.
 
-    def short_paths(self, tips, left):
-        """Short passes along the raster through those of the tips ``(n, 3)`` where most is left."""
+        Where the cutter does not come to rest at a tip, as on a wall, a waterline passes near it.
+        """
         near, free, chosen = cKDTree(tips), np.ones(len(tips), bool), []
         for i in np.argsort(-left):
             if free[i]:
                 chosen.append(i)
                 free[near.query_ball_point(tips[i], APART * self.step)] = False
-        along = np.eye(3)[np.argmax(self.field.z.shape)] * self.field.step
-        points = tips[chosen, None] + np.array([[-1.0], [0.0], [1.0]]) * along
-        points[..., 2] = self.touch.heights(points[..., :2].reshape(-1, 2)).reshape(-1, 3)
-        return [Path(some, None) for some in points if some[:, 2].min() > self.field.floor]
+        tips, off = tips[chosen], NEAR * self.step
+        rests = np.abs(self.touch.heights(tips[:, :2]) - tips[:, 2]) <= off
+        paths = self._chains(tips[rests]) if rests.any() else []
+        if not rests.all():
+            tips = tips[~rests]
+            _, some = np.unique(np.floor(tips[:, 2] / off), return_index=True)
+            paths += self._waterlines(self._near(tips), np.unique(tips[some, 2] + self._above))
+        return paths
 
-    def _levels(self, shift):
-        """Heights of the waterlines: evenly spaced, and without a shift those along level faces too."""
+    def _chains(self, tips):
+        """Paths over the part from each tip to the nearest one, and short ones along the raster elsewhere."""
+        order, _ = nearest_first(np.stack([tips, tips], axis=1), np.zeros(len(tips), bool))
+        tips, paths = tips[order], []
+        along = np.eye(3)[np.argmax(self.field.z.shape)] * self.field.step
+        for chain in np.split(tips, 1 + np.flatnonzero(lengths(np.diff(tips, axis=0)) > JOIN * self.step)):
+            if len(chain) == 1:
+                chain = chain + np.array([[-1.0], [1.0]]) * along
+            half = 0.5 * (chain[:-1] + chain[1:])
+            points = np.insert(chain, np.arange(1, len(chain)), half, axis=0)
+            points[:, 2] = self.touch.heights(points[:, :2])
+            paths += [Path(some, None) for some, _ in runs(points, points[:, 2] > self.field.floor, False)]
+        return paths
+
+    @property
+    def _above(self):
+        """Rise of a waterline from contact with a level face."""
+        return 2.0 * FIRST_LEVEL * self.touch.allowance
+
+    def _levels(self):
+        """Heights of the first waterlines: evenly spaced, and along level faces."""
         field, spacing = self.field, self.step * np.sin(SPLIT)
-        above = 2.0 * FIRST_LEVEL * self.touch.allowance
-        levels = np.arange(field.floor + above + shift * spacing, field.z.max(), spacing)
-        if shift == 0.0:
-            faces = level_faces(self.touch.part, self.cutter) + self.touch.allowance + above
-            levels = np.concatenate([levels, faces[(faces > field.floor) & (faces < field.z.max())]])
-        return np.unique(levels)
+        levels = np.arange(field.floor + self._above, field.z.max(), spacing)
+        faces = level_faces(self.touch.part, self.cutter) + self.touch.allowance + self._above
+        return np.unique([*levels, *faces[(faces > field.floor) & (faces < field.z.max())]])
 
     def _lowest(self, points, inward, levels):
         """Whether no lower waterline comes as close to the part: on an upright wall the lowest is enough."""
@@ -135,20 +151,19 @@ class Layout:
         aside = points[:, :2] - 2.0 * SAME * self.touch.allowance * inward
         return (self.touch.heights(aside) > below) | (below >= points[:, 2])
 
-    def _waterlines(self, wanted, shift):
-        field, levels = self.field, self._levels(shift)
-        size = int(GAP * self.cutter.diameter / field.step / 2)
+    def _waterlines(self, wanted, levels, first=False):
+        field, size = self.field, int(GAP * self.cutter.diameter / self.field.step / 2)
 
         def needed(points, inward, slack):
             keep = wanted[field.index(points[:, :2])]
-            corner = points[keep]
-            corner[:, :2] += self.cutter.flat_radius * inward[keep]
-            corner[:, 2] += self.cutter.corner_radius
-            near = self.cutter.corner_radius + NEAR * self.step + slack
-            if self.cutter.kind == "cone":  # its side may be what touches
-                near = self.cutter.radius + self.cutter.length
-            keep[keep] = self.touch.part.tree.distances(corner) <= near
-            if shift == 0.0:
+            if first:
+                corner = points[keep]
+                corner[:, :2] += self.cutter.flat_radius * inward[keep]
+                corner[:, 2] += self.cutter.corner_radius
+                near = self.cutter.corner_radius + NEAR * self.step + slack
+                if self.cutter.kind == "cone":  # its side may be what touches
+                    near = self.cutter.radius + self.cutter.length
+                keep[keep] = self.touch.part.tree.distances(corner) <= near
                 if not slack:
                     keep[keep] = self._lowest(points[keep], inward[keep], levels)
                     keep = binary_dilation(keep)  # into the corner between a slope and an upright wall
@@ -158,9 +173,9 @@ class Layout:
         found = waterlines(self.touch, field, levels, needed)
         return [Path(np.vstack([p, p[:2]]) if closed else p, p[0, 2], closed) for p, closed in found]
 
-    def _raster(self, wanted, shift, spacing=None):
+    def _raster(self, wanted, spacing):
         """Straight passes along the longer side of the part, interrupted where the part is too steep."""
-        field, spacing = self.field, spacing or self.step * np.cos(SPLIT)
+        field = self.field
         wanted = wanted & (self.slope < CLIFF) & (field.z > field.floor)
         along = int(np.argmax(field.z.shape))
         rows = np.flatnonzero(wanted.any(axis=along))
@@ -170,7 +185,7 @@ class Layout:
         low, high = nodes[1 - along][rows[[0, -1]]]
         origin = field.origin[1 - along]
         first, last = np.floor((low - origin) / spacing), np.ceil((high - origin) / spacing)
-        rows = origin + spacing * (np.arange(first, last + 1) + shift)
+        rows = origin + spacing * (np.arange(first, last + 1))
         xy = np.empty((len(rows), len(nodes[along]), 2))
         xy[..., along], xy[..., 1 - along] = nodes[along], rows[:, None]
         keep = wanted[field.index(xy.reshape(-1, 2))].reshape(xy.shape[:2])

@@ -352,6 +352,7 @@ def test_no_more_than_asked_is_left_where_the_ball_rests_between_a_rim_and_the_f
     bowl = np.column_stack([x, y, 11.0 - np.sqrt(3.0**2 - (y - centre) ** 2)])
     left = cKDTree(np.concatenate(tips) + axis).query(np.concatenate([bowl, bowl * (1, -1, 1)]))[0] - 3.0
     assert 0.0 < left.min() <= left.max() < scallop + tolerance
+    assert np.mean(left > scallop) < 0.01
 
 
 def test_a_floor_is_reached_where_the_disc_covers_it():
