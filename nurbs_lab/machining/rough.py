@@ -128,6 +128,7 @@ def clearing_of(part, stock, cutter, leave, step_down):
     fitting = Fitting(part, cutter, share * cutter.diameter / FINE, leave)
     margin = cutter.radius + 4.0 * step + max(float(aside.max()), 0.0)
     tips = tip_field(fitting.touch(0.5), step, floor, margin, "cutter is too small for this stock")
+    tips.z[[0, -1]] = tips.z[:, [0, -1]] = floor  # beyond the stock, so that every contour closes
     samples = sample_surface(part, step)
     tips = with_valleys(tips, fitting.touch(0.5), samples)
     material = material_of(stock, cutter, cells=CELLS / share)

@@ -32,6 +32,16 @@ def test_roughing_keeps_its_step_where_slivers_would_stand():
     assert milled.contacts.max() == 0.0
 
 
+def test_more_may_be_left_than_the_stock_has_beside_the_part():
+    """There is a millimetre beside the box, and 8 above it: the lowest tip is 3 above."""
+    part = trimesh.creation.box(bounds=[(-3, -2, -1), (3, 2, 1)])
+    stock = trimesh.creation.box(bounds=[(-4, -3, -1), (4, 3, 9)])
+    program = nl.rough(part, stock, nl.Cutter("ball", diameter=2.0), 1.0, 3.0)
+    lowest = min(curve.control_points[:, 2].min() for curve in program.curves)
+    assert lowest == pytest.approx(4.0, abs=1e-3)
+    assert nl.simulate(program, stock).remaining(part).min() == pytest.approx(3.0, abs=1e-3)
+
+
 @pytest.mark.parametrize("kind", ["ball", "flat", "bull"])
 def test_roughing_leaves_what_it_should_and_clears_the_rest(kind):
     mesh, leave = hills(), 0.4
