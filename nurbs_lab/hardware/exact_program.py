@@ -91,11 +91,14 @@ class ExactProgram:
     def from_positions(self, positions) -> np.ndarray:
         """Parameters of the curves from ``bank, piece, t`` in one integer each, in the order of the run."""
         bits = self.format.word - 1
-        words = np.array(positions, np.int64)
+        positions = as_sequence("positions", positions)
+        words = np.array([as_count("positions", word, 0, 1 << 62) for word in positions], np.int64)
         banks = words >> bits + 5
         batch = np.cumsum(np.diff(banks, prepend=0) != 0)
         starts = np.array([first for first, _ in self.cuts()])
         piece = starts[np.minimum(batch, len(starts) - 1)] + (words >> bits & BANK - 1)
+        if piece.max(initial=0) >= len(self.pieces):
+            raise ValueError(f"positions must lie on the {len(self.pieces)} pieces of the program")
         ends = np.array([piece.interval for piece in self.pieces])[piece]
         t = (words & (1 << bits) - 1) * 2.0**-bits
         return ends[:, 0] + np.diff(ends, axis=1)[:, 0] * t
@@ -320,7 +323,9 @@ def _piece(interval, axes, metric, fastest, outputs, word, point_fraction, step_
     coefficients = np.append(metric.coef * 4.0**-scale, np.zeros(4))[:5]
     shift = step_fraction + bits + scale - (word - 1) - T_GUARD
     if shift < 0:
-        raise ValueError(f"a piece of {length:.2g} mm is too short beside what a period moves: leave it out")
+        raise ValueError(
+            f"curves hold a piece of {length:.2g} mm, too short beside what a period moves: leave it out"
+        )
     return Piece(
         points=tuple(tuple(_words(np.append(x.coef, np.zeros(3))[:4], point_fraction)) for x in axes),
         metric=tuple(_words(coefficients, bits)),

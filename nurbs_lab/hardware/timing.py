@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nurbs_lab import paper
-from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_sequence
+from nurbs_lab.common.checks import as_choice, as_count, as_flag, as_integer, as_kind, as_sequence
 from nurbs_lab.common.executor import map_items
 from nurbs_lab.common.kernels import kernel
 from nurbs_lab.hardware.arithmetic import Format
@@ -100,7 +100,7 @@ def count_cycles(curve=paper.CURVE, *, steps=12) -> Timing:
 
 def operations(*, cached=False) -> np.ndarray:
     """Additions, products, quotients and roots of one parameter: see `estimate_s`."""
-    points, slopes = (1, 1) if cached else (8, 4)
+    points, slopes = (1, 1) if as_flag("cached", cached) else (8, 4)
     return points * _POINT + slopes * _SLOPE + _FORMULA
 
 
@@ -168,7 +168,7 @@ def word_length_study(curve, feed, period_s, words=range(23, 37, 2), *, executor
     Two bits of word buy a factor of about four. With 35 the paper's path is below 1e-8 in u, and four
     18 x 18 multipliers take no more bits: that is why 35 is shipped.
     """
-    formats = [Format(word) for word in as_sequence("words", words)]
+    formats = [Format(as_integer("words", word)) for word in as_sequence("words", words)]
     reference = trace(curve, feed, stepper="paper", period_s=period_s)
     run = partial(_accuracy, curve, feed, period_s, reference)
     return map_items(run, formats, executor, what="word length")

@@ -9,9 +9,11 @@ from nurbs_lab.hardware import (
     build_exact_program,
     build_program,
     count_cycles,
+    estimate_s,
     load_curve,
     load_feed,
     simulate_cu,
+    word_length_study,
 )
 
 CURVE, PERIOD_S = paper.CURVE, paper.PERIOD_S
@@ -52,9 +54,13 @@ def traced(speed=paper.SPEED, curve=CURVE, **options):
         (lambda: build_exact_program([CURVE, line(dim=3)], FEED, PERIOD_S), "all in the plane"),
         (lambda: build_exact_program(BACK, FEED, PERIOD_S), "nearly stops"),
         (lambda: build_exact_program(CURVE, FEED, PERIOD_S, format=Format(23)), "25 to 35 bits"),
+        (lambda: build_exact_program(CURVE, FEED, PERIOD_S).from_positions([np.inf]), "positions must be"),
+        (lambda: build_exact_program(CURVE, FEED, PERIOD_S).from_positions([1 << 50]), "positions must lie"),
+        (lambda: estimate_s(cached=[]), "cached must be"),
+        (lambda: word_length_study(CURVE, FEED, PERIOD_S, words=[None]), "words must be"),
         (
             lambda: traced(40.0, line(degree=1, control_points=[[0, 0], [1e-7, 0], [1, 0]]), slope="exact"),
-            "short",
+            "curves hold a piece",
         ),
         (
             lambda: build_exact_program([CURVE, CURVE], FEED, PERIOD_S),
