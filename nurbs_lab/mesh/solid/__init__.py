@@ -59,10 +59,11 @@ the raw spleen, changes without weights at the vertex nearest to a face; none wi
 a face that folds, the order by folds, and the cap of what is expected to turn: these parts are too easy for
 them.
 
-Limits of work, reached by none of these parts: `refine.ATTEMPTS`, `MOST_FACES`, `quadrics._STEPS`. Of sense,
-of rounding and of OpenCASCADE: `exact._PLACES`, `_FINE`, `_LEAST`, `trimmed._SIZE`, `_LEAST`, `_FINE`,
-`_FINEST`, `_SHARP`, `skinned._FINE`, `opencascade_reader.WHOLE`, `reconstruction._INSIDE`, and of
-`shell_triangles` `_PLACES` and `_MOST_TRIANGLES`. Places where edges are measured: `reconstruction._PLACES`,
+Limits of work: `refine.IN_VAIN`, with 2 of which a figure is given up that has no fold in the end, and
+`MOST_FACES`, which a knob reaches; reached by none of these parts: `quadrics._STEPS`. Of sense, of rounding
+and of OpenCASCADE: `exact._PLACES`, `_FINE`, `_LEAST`, `trimmed._SIZE`, `_LEAST`, `_FINE`, `_FINEST`,
+`_SHARP`, `skinned._FINE`, `opencascade_reader.WHOLE`, `reconstruction._INSIDE`, and of `shell_triangles`
+`_PLACES` and `_MOST_TRIANGLES`. Places where edges are measured: `reconstruction._PLACES`,
 `opencascade._ALONG`, `layout._SAMPLES`. Definitions: `net.DEGREE`, and `_kernels_patches.N`, one more;
 `fit.PENALTY`; kinds of vertices `FREE`, `ON_CURVE`, `CORNER` and `MOST_NEIGHBOURS` of rings; `ROUNDS` and
 `LONGEST` of Newton's method; `grids._HALVES`, `quads._PIECES`, `WAYS`, `faces.KINDS`, `quadrics.ROUND`.

@@ -132,6 +132,7 @@ class Reconstruction(Value):
         Largest angle in degrees between tangent planes across edges that are not sharp in the mesh.
     crossings : (k, 3) array
         Where faces of a solid pass through each other though its mesh does not: middles of their triangles.
+        Nobody looks where faces of the solid fold.
     """
 
     shells: tuple[Shell | TrimmedShell, ...]
@@ -343,8 +344,10 @@ def _crossings(parts, fits, shells, tolerance):
     out = [np.empty((0, 3))]
     for body in range(1 + max(part.body for part in parts)):
         mine = [k for k, part in enumerate(parts) if part.body == body]
-        sound = len(mine) == 1 and isinstance(fits[mine[0]], Fitted) and not fits[mine[0]].faulty.any()
-        if sound or any(parts[k].meets for k in mine):  # `build` has looked at a single shell of patches
+        patches = [fits[k] for k in mine if isinstance(fits[k], Fitted)]
+        sound = len(mine) == len(patches) == 1 and not patches[0].faulty.any()  # `build` has looked
+        folded = any(fit.patches.flipped().any() for fit in patches)
+        if sound or folded or any(parts[k].meets for k in mine):
             continue
         fine = trimesh.util.concatenate(
             [

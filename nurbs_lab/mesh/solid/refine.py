@@ -1,6 +1,7 @@
 """One closed shell of patches for one closed surface of a mesh: fit, measure, and refine where it misses."""
 
 from dataclasses import dataclass, replace
+from itertools import count
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -14,9 +15,9 @@ from nurbs_lab.mesh.solid.layout import lay_out
 from nurbs_lab.mesh.solid.patches import Patches
 from nurbs_lab.mesh.solid.shell_triangles import crossed
 
-ATTEMPTS = 12
+IN_VAIN = 4  # attempts in a row that are not better than the best one, after which it is taken
 SAFETY = 0.98  # of the tolerance is aimed at
-MOST_FACES = 4000  # of all attempts together, after the first one
+MOST_FACES = 3000  # of all attempts together, after the first one
 RAISE = 1.5  # times its ratio to the aim: the factor of the weight of a face that misses
 COST = 0.03  # largest quadric error of the first layout at a tolerance of 1 / 200 of the size, as a length
 _SLIVER = 0.5  # of the tolerance: sharp edges nearer than that to one another become one
@@ -76,9 +77,9 @@ def build(part, tolerance, sharp_angle, most_faces) -> Fitted:
 
 def _refined(mesh, target, samples, within, most_faces, meets):
     """The first fit that keeps the tolerance, or the best one, on finer and finer layouts."""
-    weight, best, faces = np.ones(len(mesh.vertices)), None, 0
+    weight, best, faces, vain = np.ones(len(mesh.vertices)), None, 0, 0
     cost = COST**2 * within / 0.005
-    for attempt in range(ATTEMPTS):
+    for attempt in count():
         layout, chart, cost = _small_layout(mesh, weight, cost, most_faces)
         faces += len(layout.corners)
         if not attempt and len(layout.corners) > most_faces:
@@ -93,10 +94,12 @@ def _refined(mesh, target, samples, within, most_faces, meets):
         if best is None or _score(fitted, within) < _score(best, within):
             fitted = _closely(fitted, target)
             if not meets:
-                fitted = replace(fitted, faulty=fitted.faulty | crossed(fitted.patches, within / 10))
+                fine = within if fitted.faulty.any() else within / 10  # patches that fold need many triangles
+                fitted = replace(fitted, faulty=fitted.faulty | crossed(fitted.patches, fine))
+        vain += 1
         if best is None or _score(fitted, within) < _score(best, within):
-            best = fitted
-        if _score(best, within) == (0, SAFETY):
+            best, vain = fitted, 0
+        if _score(best, within) == (0, SAFETY) or vain == IN_VAIN:
             break
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.faulty, 4.0, 0.0))
         raised = np.where(ratio > 1.0, RAISE * ratio, 1.0)
