@@ -1,6 +1,7 @@
 """Pictures in space: one light, one camera, live in JupyterLab and stored as a picture elsewhere."""
 
 import os
+import re
 import sys
 from contextlib import contextmanager
 from pathlib import Path
@@ -117,7 +118,11 @@ def _viewer(stage):
     backend = os.environ.get("PYVISTA_JUPYTER_BACKEND", "server")
     with _without_module("trame.widgets.vtklocal"):
         look = {"collapse_menu": True, "width": f"min({stage.window_size[0]}px, 100%)"}  # pages may be narrow
-        return stage.show(jupyter_backend=backend, jupyter_kwargs=look, return_viewer=True)
+        viewer = stage.show(jupyter_backend=backend, jupyter_kwargs=look, return_viewer=True)
+    # Told the socket, the page does not first ask for a launcher that is not there (405 in the console).
+    if isinstance(page := getattr(viewer, "value", None), str):
+        viewer.value = re.sub(r'src="http(://[^/"]+)/index\.html\?', r"\g<0>sessionURL=ws\1/ws&", page)
+    return viewer
 
 
 @contextmanager

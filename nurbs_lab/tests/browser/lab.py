@@ -15,6 +15,7 @@ class Lab:
         self.complaints = []
         self.page = chromium.new_page(viewport={"width": 1400, "height": 1000})
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("console", lambda said: said.type == "error" and self.complaints.append(said.text))
         self.page.goto(f"{self.address}/lab/tree/notebooks/{notebook}.ipynb?reset", timeout=120_000)
         self.page.wait_for_selector(".jp-Notebook .jp-Cell", timeout=120_000)
 
