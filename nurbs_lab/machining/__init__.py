@@ -72,7 +72,8 @@ triangles, as many at half, and 1.3e5 at twice.
 
 Spacings of the instruments: TIP_SPACING (stock) 0.5 cells; SPACING 0.006 and SAMPLES 0.03 diameters, but
 LEAST_SAMPLES 2e4 on a part, and TIMES 10 a control point (verify). Definitions: HALF, half the diagonal of a
-cell; NEEDLE, a cutter without width; ROBERTS, of the sequence R2; MACHINE, the limits of a small machine;
+cell; LEAF, the tips of a leaf of a tree; NEEDLE, a cutter without width; ROBERTS, of the sequence R2;
+MACHINE, the limits of a small machine;
 _LINE, _LINK, _BASIS, _STRAIGHT and _RAISED, the splines of links; and the names in KINDS and CONTACTS.
 """
 
