@@ -113,16 +113,17 @@ def _in_cells(starts, stops, track, origin, limits, profile, by_chords):
 def _doubtful(places, rows):
     """Pieces of cells ``(n, 2)`` in which a limit may be exceeded between the places.
 
-    A parabola through the largest factor of the cell and those beside it passes 1.
+    A parabola through the largest factor of a limit in the cell and those beside it, or through the three at
+    that end of the cell, has its top between them and passes 1.
     """
     used = np.maximum.reduce([np.zeros(places.size), *(row[3] for row in rows)]).reshape(places.shape)
     at = np.clip(used.argmax(axis=1), 1, len(_INSIDE) - 2)[:, None] + [-1, 0, 1]
     left, top, right = np.take_along_axis(used, at, axis=1).T
+    bend = 2.0 * top - left - right
     with np.errstate(divide="ignore", invalid="ignore"):
-        highest = top + (right - left) ** 2 / (8.0 * (2.0 * top - left - right))
-    return np.take_along_axis(places, at[:, [0, 2]], axis=1)[
-        (top >= np.maximum(left, right)) & (highest > 1.0)
-    ]
+        highest = top + (right - left) ** 2 / (8.0 * bend)
+    inside = np.abs(right - left) <= 2.0 * bend
+    return np.take_along_axis(places, at[:, [0, 2]], axis=1)[inside & (highest > 1.0)]
 
 
 def _used(track, limits, u, seen, motion, by_chords):
