@@ -15,12 +15,12 @@ from tqdm.auto import tqdm
 
 from nurbs_lab.common.progress import bar, hidden
 
-#: No C function is made of a kernel: nothing calls it, and it takes a twentieth of the time to compile.
+#: No C function is made of a kernel: nothing calls it, and it takes a twentieth of the time to compile. A
+#: division by zero gives infinity or NaN, as in NumPy; the callers check their results instead of divisors.
 OPTIONS = {"cache": True, "nogil": True, "no_cfunc_wrapper": True, "error_model": "numpy"}
 compiled = njit(**OPTIONS)
 #: For a kernel that one place calls, and for short ones: the code becomes part of its callers'.
 inlined = njit(inline="always", **OPTIONS)
-#: A division by zero gives infinity or NaN, as in NumPy; the callers check their results instead of divisors.
 #: Inlining is forced because a call counts references to every array, which costs more than a point does.
 kernel = njit(forceinline=True, **OPTIONS)
 #: Zero as an array or a loop would hold it. Numba compiles a kernel once more for each literal passed to it.

@@ -10,14 +10,14 @@ logarithms of all M rooms is least, the time exceeds the least one by at most we
 import numpy as np
 
 from nurbs_lab.motion._scurve_kernels import solve_bands
+from nurbs_lab.motion._scurve_problem import FALL
 
 #: The bound may be lower than the least time by this part.
 _GAP = 3e-4
 #: The barrier's first weight, as a part of that at which time and all rooms count alike.
 _FIRST = 0.1
-#: The weight of the barrier is multiplied by this from one stage to the next, each of so many Newton steps
-#: at most, until one more would gain less than this part of the weight.
-_KEPT, _STEPS, _NEAR = 0.2, 1000, 0.1
+#: A stage takes so many Newton steps at most, until one more would gain less than this part of its weight.
+_STEPS, _NEAR = 1000, 0.1
 #: Steps to the time of a cell that is best for it.
 _LONGER = 6
 
@@ -56,7 +56,7 @@ class Relaxation:
                 return 0.0  # nothing is known
             if weight * count <= _GAP * self.block.time(middle):
                 break
-            weight *= _KEPT
+            weight *= FALL
         time = self._rooms(middle, weight)[5].sum() + sum(self.block.ramp_times)
         return time - weight * (count + np.sqrt(count * decrement / weight))
 

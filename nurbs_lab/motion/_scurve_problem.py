@@ -7,7 +7,7 @@ import numpy as np
 from nurbs_lab.motion import _scurve_kernels
 
 #: The weight of the barrier is multiplied by this from one stage to the next.
-_KEPT = 0.2
+FALL = 0.2
 #: A stage before the last ends when a Newton step would gain less than this part of the weight a cell.
 _NEAR = 0.3
 #: In slowing down, how often the weight of the barrier is doubled at most.
@@ -116,7 +116,7 @@ class Block:
     def solve(self, middle, gap):
         """Least time from a motion that keeps the limits, in place; the weight on their room that remains.
 
-        The weight falls by `_KEPT` from stage to stage, which makes log(1 / gap) / log(1 / _KEPT) stages and
+        The weight falls by `FALL` from stage to stage, which makes log(1 / gap) / log(1 / FALL) stages and
         a few more, because the time falls too; each takes at most 60 Newton steps over all cells.
 
         The time is above the least one by less than the part ``gap`` of it; seen: a fiftieth of that.
@@ -124,7 +124,7 @@ class Block:
         weight = self._balanced_weight(middle)
         while weight * 8.0 * len(middle) > gap * self.time(middle):
             self.centre(middle, weight, _NEAR * len(middle))
-            weight *= _KEPT
+            weight *= FALL
         self.centre(middle, weight, tolerance=1e-9)
         return weight
 

@@ -7,13 +7,11 @@ from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.feed import MOST_SAMPLES, FeedProfile, constant_feed
 from nurbs_lab.motion.override import apply_override
-from nurbs_lab.motion.prepared_curve import prepare
+from nurbs_lab.motion.prepared_curve import LENGTHS_AGREE, prepare
 from nurbs_lab.motion.steppers.registry import Job, find_stepper, run
 from nurbs_lab.motion.toolpath import ToolPath
 from nurbs_lab.nurbs import NurbsCurve, span_kernels
 
-#: A feed planned for another curve is told by its length, and by the curve's points, to this part.
-LENGTHS_AGREE = 1e-6
 #: Two periods that differ by less than this fraction are the same.
 PERIODS_AGREE = 1e-9
 

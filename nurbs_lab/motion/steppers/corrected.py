@@ -15,8 +15,6 @@ from nurbs_lab.nurbs.span_kernels import find_span, point, speed
 
 #: Further trials in each of the first four steps, which have too few earlier parameters to predict from.
 _EXTRA = 2
-#: A chord is not corrected further once its error is below this fraction of the largest coordinate.
-_ROUNDING = 2.0**-50
 
 
 @kernel
@@ -84,7 +82,8 @@ def _chord(spans, feed, period, u, counts, trials, noise):
 
 
 def _run_chord(job, *, trials=2):
-    return steps_of(job, _chord, trials, _ROUNDING * job.extent)
+    rounding = 4.0 * np.finfo(float).eps * job.extent  # of a chord, which is not corrected further
+    return steps_of(job, _chord, trials, rounding)
 
 
 register(
