@@ -9,6 +9,8 @@ import numpy as np
 
 from nurbs_lab.common.kernels import compiled, inlined
 
+LEAF = 4  # items of a leaf
+
 
 @compiled
 def box_tree(leaves):
@@ -41,14 +43,13 @@ def box_distance(boxes, node, point):
 
 
 @inlined
-def open_box(boxes, node, point, stack, bounds, waiting):
-    """Push the two children of a node on the stack, the nearer one on top; return the size of the stack."""
+def open_box(node, to_left, to_right, stack, bounds, waiting):
+    """Push the two children of a node with the distances of both, the nearer one on top; return the size."""
     near, far = 2 * node + 1, 2 * node + 2
-    to_near, to_far = box_distance(boxes, near, point), box_distance(boxes, far, point)
-    if to_far < to_near:
-        near, far, to_near, to_far = far, near, to_far, to_near
-    stack[waiting], bounds[waiting] = far, to_far
-    stack[waiting + 1], bounds[waiting + 1] = near, to_near
+    if to_right < to_left:
+        near, far, to_left, to_right = far, near, to_right, to_left
+    stack[waiting], bounds[waiting] = far, to_right
+    stack[waiting + 1], bounds[waiting + 1] = near, to_left
     return waiting + 2
 
 
@@ -71,8 +72,14 @@ def morton(cells):
     return code
 
 
-def along_morton(points):
-    """An order ``(n,)`` of points in space along the Z-order curve."""
-    extent = np.ptp(points, axis=0).max()
-    cells = (points - points.min(axis=0)) * ((2**20 - 1) / extent if extent > 0 else 0.0)
-    return np.argsort(morton(cells.astype(np.int64)), kind="stable")
+def tree_along(places, lows, highs):
+    """Items in boxes from ``lows (n, 3)`` to ``highs``: an order along the Z-order curve, and a tree over it.
+
+    Every leaf holds `LEAF` items that follow one another in this order ``(n,)``, the last one perhaps fewer.
+    """
+    extent = np.ptp(places, axis=0).max()
+    cells = (places - places.min(axis=0)) * ((2**20 - 1) / extent if extent > 0 else 0.0)
+    order = np.argsort(morton(cells.astype(np.int64)), kind="stable")
+    starts = np.arange(0, len(order), LEAF)
+    leaves = np.minimum.reduceat(lows[order], starts), np.maximum.reduceat(highs[order], starts)
+    return order, box_tree(np.hstack(leaves))

@@ -47,6 +47,7 @@ STUB (waterlines), of CLOSEST            0.1      0, 0           0, +1 *; at 0 0
 VALLEY (surface), steps of the grid       1        +11, +10 *     +5, +14 *
 HIDDEN (passes), of the part's slope     0.5      -1, -14        0, +11; at half 68 x the moves for a low step
 CELLS (stock), LOSS (stock), of a cell   24, 0.05 0, 0           0, 0; the memory and time
+LEAF (box_tree), items             4        at 8 and 16 0, 0; the time of verify 0.98 x, 0.94 x *
 FLAT_STEP (rough), diameters             0.4      +83, +40       -29, -29; BALL_STEP, 0.25, is that of balls
 TILT (rough), degrees                    1        0, 0           0, 0; at 5 for a ball 14 levels, not 11 **
 GRID (rough), nodes a diameter           12       -5, -23        +1, +3
@@ -72,7 +73,7 @@ triangles, as many at half, and 1.3e5 at twice.
 
 Spacings of the instruments: TIP_SPACING (stock) 0.5 cells; SPACING 0.006 and SAMPLES 0.03 diameters, but
 LEAST_SAMPLES 2e4 on a part, and TIMES 10 a control point (verify). Definitions: HALF, half the diagonal of a
-cell; LEAF, the tips of a leaf of a tree; NEEDLE, a cutter without width; ROBERTS, of the sequence R2;
+cell; NEEDLE, a cutter without width; ROBERTS, of the sequence R2;
 MACHINE, the limits of a small machine;
 _LINE, _LINK, _BASIS, _STRAIGHT and _RAISED, the splines of links; and the names in KINDS and CONTACTS.
 """

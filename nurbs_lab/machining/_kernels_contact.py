@@ -8,8 +8,8 @@ At distance d from the axis its lower side is ``rise(d)`` above the tip. The tip
 edge, so its maximum has a closed form, with one exception: contact of a bull nose with an edge leaves one
 unknown angle, which a bracketed Newton's method finds.
 
-Kernels take a part as ``body``: corners (m, 9), unit normals and `Part.edges` of its triangles, the boxes of
-their tree and the triangles in a leaf; and a cutter as ``shape``: (a, r, c, w).
+Kernels take a part as ``body``: corners (m, 9), unit normals and `Part.edges` of its triangles, and the boxes
+of their tree; and a cutter as ``shape``: (a, r, c, w).
 """
 
 import numpy as np

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from nurbs_lab.common.box_tree import LEAF
 from nurbs_lab.common.kernels import ZERO, compiled, kernel
 from nurbs_lab.machining._kernels_contact import inside, may_stop, over_triangle
 
@@ -26,7 +27,7 @@ def highest(x, y, best, enough, held, body, shape, waiting):
     Triangle ``held`` is looked at first, then boxes, the higher one of two first. The search ends when the
     height is more than ``enough``. ``waiting (128,)`` is room to work in.
     """
-    p, boxes, leaf = body[0], body[3], body[4]
+    p, boxes = body[0], body[3]
     leaves = (len(boxes) + 1) // 2
     best = over_triangle(body, held, x, y, shape, best)
     waiting[0], depth = 0, 1
@@ -40,8 +41,8 @@ def highest(x, y, best, enough, held, body, shape, waiting):
             waiting[depth], waiting[depth + 1] = 2 * node + 1 + lower, 2 * node + 2 - lower
             depth += 2
             continue
-        start = (node - leaves + 1) * leaf
-        for f in range(start, min(start + leaf, len(p))):
+        start = (node - leaves + 1) * LEAF
+        for f in range(start, min(start + LEAF, len(p))):
             height = over_triangle(body, f, x, y, shape, best)
             if height > best:
                 best, held = height, f
@@ -65,7 +66,7 @@ def around(x, y, level, body, shape, found):
 
     Returns how many there are.
     """
-    leaf, leaves, stack = body[4], (len(body[3]) + 1) // 2, np.empty(128, np.int64)
+    leaves, stack = (len(body[3]) + 1) // 2, np.empty(128, np.int64)
     stack[0], depth, count = 0, 1, 0
     while depth:
         depth -= 1
@@ -76,8 +77,8 @@ def around(x, y, level, body, shape, found):
             stack[depth], stack[depth + 1] = 2 * node + 1, 2 * node + 2
             depth += 2
             continue
-        start = (node - leaves + 1) * leaf
-        for f in range(start, min(start + leaf, len(body[0]))):
+        start = (node - leaves + 1) * LEAF
+        for f in range(start, min(start + LEAF, len(body[0]))):
             if may_stop(body, f, x, y, level, shape):
                 found[count] = f
                 count += 1

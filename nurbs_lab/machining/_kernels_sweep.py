@@ -2,10 +2,9 @@
 
 import numpy as np
 
+from nurbs_lab.common.box_tree import LEAF, open_box
 from nurbs_lab.common.kernels import ZERO, compiled, inlined
 from nurbs_lab.machining._kernels_contact import rise
-
-LEAF = 8  # tips
 
 
 @inlined
@@ -51,8 +50,8 @@ def beside_box(boxes, node, x, y, z, shape):
 def left(points, tips, boxes, shape, out, which):
     """Lower ``out`` at every point to its distance to the nearest of all cutters, and say in ``which``.
 
-    The tips are the leaves of the tree ``boxes``, `LEAF` of them each. The nearer one of two boxes is opened
-    first. The tip nearest to one point gives a first distance for the next.
+    The tips are in the order of the tree ``boxes``. The nearer one of two boxes is opened first. The tip
+    nearest to one point gives a first distance for the next.
     """
     held, leaves, stack, gaps = ZERO, (len(boxes) + 1) // 2, np.empty(128, np.int64), np.empty(128)
     for i in range(len(points)):
@@ -65,14 +64,9 @@ def left(points, tips, boxes, shape, out, which):
             if gaps[waiting] >= best:
                 continue
             if node < leaves - 1:
-                near, far = 2 * node + 1, 2 * node + 2
-                to_near = beside_box(boxes, near, x, y, z, shape)
-                to_far = beside_box(boxes, far, x, y, z, shape)
-                if to_far < to_near:
-                    near, far, to_near, to_far = far, near, to_far, to_near
-                stack[waiting], gaps[waiting] = far, to_far
-                stack[waiting + 1], gaps[waiting + 1] = near, to_near
-                waiting += 2
+                to_left = beside_box(boxes, 2 * node + 1, x, y, z, shape)
+                to_right = beside_box(boxes, 2 * node + 2, x, y, z, shape)
+                waiting = open_box(node, to_left, to_right, stack, gaps, waiting)
                 continue
             start = (node - leaves + 1) * LEAF
             for k in range(start, min(start + LEAF, len(tips))):

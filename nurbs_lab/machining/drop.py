@@ -9,7 +9,6 @@ from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.machining import _kernels_search as kernels
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.part import Part, prepare_part
-from nurbs_lab.mesh.distance import LEAF
 
 
 def drop_cutter(part, cutter, xy):
@@ -114,7 +113,7 @@ class Contact:
     @property
     def _body(self):
         part, tree = self.part, self.part.tree
-        return tree.corners, part.normals, part.edges, tree.boxes, LEAF
+        return tree.corners, part.normals, part.edges, tree.boxes
 
 
 def body_contacts(part, cutter, tips):

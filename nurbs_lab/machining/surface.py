@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from nurbs_lab.common.box_tree import along_morton, box_tree
+from nurbs_lab.common.box_tree import tree_along
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.common.threads import over_blocks, over_slices
 from nurbs_lab.machining import _kernels_sweep as kernels
@@ -150,9 +150,8 @@ def left_over(cutter, tips, points, reach=np.inf):
     out, which = np.full(len(points), reach, float), np.zeros(len(points), int)
     if not len(tips) or not len(points):
         return out, which
-    order = along_morton(tips)
-    tips, starts = tips[order], np.arange(0, len(tips), kernels.LEAF)
-    boxes = box_tree(np.hstack([np.minimum.reduceat(tips, starts), np.maximum.reduceat(tips, starts)]))
+    order, boxes = tree_along(tips, tips, tips)
+    tips = tips[order]
 
     def kernel(block):
         kernels.left(points[block], tips, boxes, cutter.shape, out[block], which[block])

@@ -44,7 +44,7 @@ of the one or two that have them), and points off their neighbours' planes (3 of
 
 Limits of work: `points._MOST`, `indicator._MOST_CELLS`, `_CELLS_A_POINT`, `contours._MANY`, `stl_blocks`
 (`MOST_HELD`, `STREAMED`, `_BLOCK`, `_BLOCKS_TOGETHER`), `packages` (`_MOST_TRIANGLES`, `_MOST_BYTES`,
-`_DEEPEST`), `shape._MOST_CORNERS`, `_kernels_core.FEW`, `_kernels_distance.LEAF`. Of rounding and of sense:
+`_DEEPEST`), `shape._MOST_CORNERS`, `_kernels_core.FEW`. Of rounding and of sense:
 `_kernels_distance.EQUAL` and `SAME_PLACE` (without them a rotated bone has 30 to 46 faces, not 30),
 `points._LEAST_POINTS`, `_HELD`, `normals._PLACES`, `indicator._REACH`, `repair.NO_VOLUME`, `shape._FOLDED`,
 `_NO_AREA`, `read._USUAL_SIZE`, `_kernels_core.SAME_ANGLE`. Definitions: `FULL_TURN` there,

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from nurbs_lab.common.box_tree import open_box
+from nurbs_lab.common.box_tree import LEAF, box_distance, open_box
 from nurbs_lab.common.kernels import compiled, inlined, kernel
 
-LEAF = 4
 EQUAL = 1e-9  # relative difference of squared distances that is rounding
 SAME_PLACE = 1e-22  # squared distance that is rounding, of the squared coordinates
 
@@ -113,7 +112,8 @@ def nearest(points, directions, corners, normals, boxes, names, out):
                 start = (node - leaves + 1) * LEAF
                 stop = min(start + LEAF, len(corners))
                 continue
-            depth = open_box(boxes, node, p, stack, gaps, depth)
+            left, right = box_distance(boxes, 2 * node + 1, p), box_distance(boxes, 2 * node + 2, p)
+            depth = open_box(node, left, right, stack, gaps, depth)
         distances[i] = np.sqrt(best)
     return distances
 

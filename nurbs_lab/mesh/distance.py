@@ -4,12 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nurbs_lab.common.box_tree import along_morton, box_tree
+from nurbs_lab.common.box_tree import tree_along
 from nurbs_lab.common.checks import as_number
 from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels_distance
-from nurbs_lab.mesh._kernels_distance import LEAF
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +23,8 @@ class TriangleTree:
         Twice the area of each triangle along its normal.
     boxes : (n, 6) array
         Least and largest x, y, z of the nodes of a full binary tree: the children of node i are 2 i + 1 and
-        2 i + 2, the last (n + 1) / 2 nodes are leaves of `LEAF` triangles each.
+        2 i + 2, the last (n + 1) / 2 nodes are leaves of `box_tree.LEAF` triangles
+        each.
     order : (m,) array
         Which of the triangles given comes where in ``corners``.
     """
@@ -59,14 +59,10 @@ class TriangleTree:
 
 def triangle_tree(corners) -> TriangleTree:
     """Sort the triangles ``corners (m, 3, 3)`` into a binary tree of boxes along the Morton curve."""
-    order = along_morton(corners.mean(axis=1))
+    order, boxes = tree_along(corners.mean(axis=1), corners.min(axis=1), corners.max(axis=1))
     corners = np.ascontiguousarray(corners[order])
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-
-    starts = np.arange(0, len(corners), LEAF)
-    lows, highs = corners.min(axis=1), corners.max(axis=1)
-    leaves = np.hstack([np.minimum.reduceat(lows, starts), np.maximum.reduceat(highs, starts)])
-    return TriangleTree(corners.reshape(-1, 9), normals, box_tree(leaves), order)
+    return TriangleTree(corners.reshape(-1, 9), normals, boxes, order)
 
 
 def crossing_triangles(vertices, triangles) -> np.ndarray:

@@ -8,7 +8,7 @@ is a surface of degree 0 along v.
 
 import numpy as np
 
-from nurbs_lab.common.box_tree import open_box
+from nurbs_lab.common.box_tree import box_distance, open_box
 from nurbs_lab.common.kernels import compiled, inlined
 from nurbs_lab.nurbs._kernels_bernstein import (
     bernstein,
@@ -202,7 +202,9 @@ def closest(boxes, nets, pieces, factors, points, uv, distance):
             if bounds[waiting] >= best:
                 continue
             if node < inner:
-                waiting = open_box(boxes, node, point, stack, bounds, waiting)
+                left = box_distance(boxes, 2 * node + 1, point)
+                right = box_distance(boxes, 2 * node + 2, point)
+                waiting = open_box(node, left, right, stack, bounds, waiting)
                 continue
             here = node - inner
             for d in range(point.size):
