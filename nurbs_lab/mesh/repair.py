@@ -36,14 +36,13 @@ _SPLITS = {
 class ClosedSurface:
     """One closed surface: ``vertices (n, 3)``, and ``triangles (m, 3)`` wound away from the material.
 
-    ``opposite (3 m,)`` is the half-edge across each half-edge. ``body`` numbers the solid that it bounds, and
-    ``is_void`` says whether it is one of its voids; their ``volume`` is negative. ``meets`` says whether it
-    crosses or touches itself or another surface of its body.
+    Every edge has two triangles. ``body`` numbers the solid that it bounds, and ``is_void`` says whether it
+    is one of its voids; their ``volume`` is negative. ``meets`` says whether it crosses or touches itself or
+    another surface of its body.
     """
 
     vertices: np.ndarray
     triangles: np.ndarray
-    opposite: np.ndarray
     body: int
     is_void: bool
     volume: float
@@ -53,8 +52,8 @@ class ClosedSurface:
 def closed_surfaces(graph) -> tuple[list[ClosedSurface], tuple[str, ...]]:
     """The closed surfaces of a `MeshGraph`, and what was mended or is still wrong.
 
-    Bodies that touch in a face, an edge or a vertex come apart. Surfaces that cross, and bodies inside one
-    another, are named and stay.
+    Bodies that touch in a face, an edge or a vertex come apart; where a body touches itself along an edge,
+    its triangles there are divided. Surfaces that cross, and bodies inside one another, are named and stay.
 
     Raises
     ------
@@ -249,7 +248,31 @@ def _one_fan_a_vertex(graph):
     count, label = components(len(halves), halves, across)
     owner = np.empty(count, dtype=np.int64)
     owner[label] = graph.triangles.ravel()
-    return graph.vertices[owner], label.reshape(-1, 3).astype(np.int64), graph.opposite.astype(np.int64)
+    corners, opposite = label.reshape(-1, 3).astype(np.int64), graph.opposite.astype(np.int64)
+    return _halved(graph.vertices[owner], corners, opposite, np.flatnonzero(graph.kinds == _MANY))
+
+
+def _halved(vertices, triangles, opposite, shared):
+    """Part edges of which several pairs of triangles have both ends: every pair gets a middle of its own.
+
+    So it is where a body touches itself along an edge. ``shared`` are the half-edges in question.
+    """
+    ends = np.column_stack(tails_and_heads(triangles))
+    _, edge, counts = np.unique(ends[shared], axis=0, return_inverse=True, return_counts=True)
+    several = shared[counts[edge] > 1]
+    if not len(several):
+        return vertices, triangles, opposite
+    pairs, pair = np.unique(np.minimum(several, opposite[several]), return_inverse=True)
+    middle = dict(zip(several.tolist(), (len(vertices) + pair).tolist(), strict=True))
+    divided, fans = np.unique(several // 3), []
+    for hub, f in enumerate(divided.tolist(), start=len(vertices) + len(pairs)):
+        line = []
+        for half, corner in enumerate(triangles[f].tolist(), start=3 * f):
+            line += [corner, middle[half]] if half in middle else [corner]
+        fans += [(tail, head, hub) for tail, head in pairwise([*line, line[0]])]
+    added = vertices[ends[pairs]].mean(axis=1), vertices[triangles[divided]].mean(axis=1)
+    triangles = np.concatenate([np.delete(triangles, divided, axis=0), fans])
+    return np.concatenate([vertices, *added]), triangles, opposite_of(triangles)
 
 
 def _bodies(vertices, triangles, opposite, size, repairs):
@@ -259,27 +282,25 @@ def _bodies(vertices, triangles, opposite, size, repairs):
     for k in range(count):
         mine = np.flatnonzero(label == k)
         used, corners = np.unique(triangles[mine], return_inverse=True)
-        halves = (3 * mine[:, None] + np.arange(3)).ravel()
-        across = np.searchsorted(halves, opposite[halves])
         points, corners = vertices[used], corners.reshape(-1, 3)
         volume = float(enclosed_volume(points, corners))
         if abs(volume) > NO_VOLUME * size**3:
-            parts.append((points, corners, across, volume))
+            parts.append((points, corners, volume))
     if not parts:
         raise ValueError("mesh encloses no volume; there is no solid to reconstruct")
     if empty := count - len(parts):
         repairs.append(f"{counted(empty, 'part')} without volume left out")
-    outer = [part for part in parts if part[3] > 0]
-    out = [ClosedSurface(*part[:3], k, False, part[3]) for k, part in enumerate(outer)]
+    outer = [part for part in parts if part[2] > 0]
+    out = [ClosedSurface(*part[:2], k, False, part[2]) for k, part in enumerate(outer)]
     solids = len(outer)
-    for points, corners, across, volume in (part for part in parts if part[3] < 0):
-        around = [k for k in range(len(outer)) if outer[k][3] > -volume and _inside(points[0], outer[k])]
+    for points, corners, volume in (part for part in parts if part[2] < 0):
+        around = [k for k in range(len(outer)) if outer[k][2] > -volume and _inside(points[0], outer[k])]
         if around:
-            owner = min(around, key=lambda k: outer[k][3])
-            out.append(ClosedSurface(points, corners, across, owner, True, volume))
+            owner = min(around, key=lambda k: outer[k][2])
+            out.append(ClosedSurface(points, corners, owner, True, volume))
         else:
             corners = corners[:, ::-1].copy()
-            out.append(ClosedSurface(points, corners, opposite_of(corners), solids, False, -volume))
+            out.append(ClosedSurface(points, corners, solids, False, -volume))
             solids += 1
     if turned := solids - len(outer):
         repairs.append(f"{turned} surfaces turned, whose normals pointed inwards")

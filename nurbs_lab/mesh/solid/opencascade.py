@@ -20,6 +20,7 @@ try:
     from OCP.Geom import Geom_BSplineCurve, Geom_BSplineSurface
     from OCP.gp import gp_Pnt, gp_Trsf, gp_Vec
     from OCP.GProp import GProp_GProps
+    from OCP.IMeshTools import IMeshTools_MeshAlgoType, IMeshTools_Parameters
     from OCP.ShapeAnalysis import ShapeAnalysis_FreeBounds
     from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
     from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
@@ -225,7 +226,10 @@ def _normals_along(edge, face, t):
 def triangles_of(shape, tolerance) -> trimesh.Trimesh:
     """Closed triangles within ``tolerance`` mm of a closed shape; attribute ``face`` numbers its faces."""
     BRepTools.Clean_s(shape)
-    BRepMesh_IncrementalMesh(shape, tolerance, False, 0.5, False)
+    how = IMeshTools_Parameters()
+    how.Deflection, how.Angle = tolerance, 0.5
+    how.MeshAlgo = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Delabella  # the usual one is quadratic
+    BRepMesh_IncrementalMesh(shape, how)
     vertices, faces, count = [], [], 0
     for one in parts(shape, TopAbs_FACE):
         face, place = TopoDS.Face_s(one), TopLoc_Location()
