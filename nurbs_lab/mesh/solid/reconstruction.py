@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
 
-from nurbs_lab.common.checks import as_choice, as_count, as_number, as_positive, extent
+from nurbs_lab.common.checks import as_choice, as_count, as_number, as_positive, counted, extent
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.threads import over_slices
 from nurbs_lab.common.values import Value
@@ -232,7 +232,8 @@ class Reconstruction(Value):
         equal = [shell for shell in self.shells if isinstance(shell, TrimmedShell) and shell.made_equal]
         if equal:
             same, change = sum(shell.made_equal for shell in equal), max(shell.change for shell in equal)
-            lines.append(f"axes and sizes of {same} faces made equal to others, by at most {change:.1g} mm")
+            said = f"axes and sizes of {counted(same, 'face')} made equal to others"
+            lines.append(f"{said}, by at most {change:.1g} mm")
         if deviation.max > self.tolerance:
             place = ", ".join(f"{x:.4g}" for x in deviation.worst_place)
             lines.append(f"the tolerance is missed, most at ({place}) mm")
