@@ -234,7 +234,7 @@ def build_exact_program(
     """What to load for the exact slope: curves, and any feed along them.
 
     Polynomial curves of degree 1 to 3 are run as they are. With weights, or of a higher degree, a curve is
-    approximated by cubics within 1e-6 of its size: a full circle by 36.
+    approximated by cubics within 1e-6 of the extent of its control points: a full circle by 36.
 
     Parameters
     ----------

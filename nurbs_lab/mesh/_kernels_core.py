@@ -90,12 +90,12 @@ def step(vertices, i, j):
 
 
 @compiled
-def pair_fan(fan, triangles, vertices, low, high, opposite):
+def pair_fan(fan, triangles, vertices, body, low, high, opposite):
     """Pair the half-edges of a non-manifold edge so that a pair encloses material; an odd one stays alone.
 
     Seen along the edge, a triangle whose half-edge runs low -> high has its material clockwise of it, the
     others counter-clockwise. So going round, the second kind opens a wedge of material and the first kind
-    closes it.
+    closes it. Two of one body are a pair where there are two, so that bodies that touch stay apart.
     """
     k = len(fan)
     closes, turns = np.empty(k, np.bool_), np.empty(k)
@@ -111,22 +111,30 @@ def pair_fan(fan, triangles, vertices, low, high, opposite):
             qx, qy, qz = (ay * z - az * y) / size, (az * x - ax * z) / size, (ax * y - ay * x) / size
         turn = atan2(x * qx + y * qy + z * qz, x * px + y * py + z * pz) % FULL_TURN
         turn = turn if turn < FULL_TURN - SAME_ANGLE else 0.0
-        turns[i] = 2.0 * floor(turn / SAME_ANGLE + 0.5) - closes[i]  # closes before it opens
+        turns[i] = 2.0 * floor(turn / SAME_ANGLE + 0.5)
+        if closes[i]:  # before one opens, and in the other order, so that the last opened closes first
+            turns[i] -= 1.0 + i / (2.0 * k)
     order = sorted_order(turns)
     opened = np.empty(2 * k, np.int64)
-    depth = 0
-    for i in range(2 * k):
-        half = fan[order[i % k]]
-        if opposite[half] >= 0:
-            continue
-        if not closes[order[i % k]]:
-            if i < k:
-                opened[depth] = half
-                depth += 1
-        elif depth > 0:
-            depth -= 1
-            opposite[half] = opened[depth]
-            opposite[opened[depth]] = half
+    for others_too in range(2):
+        depth = 0
+        for i in range(2 * k):
+            half = fan[order[i % k]]
+            if opposite[half] >= 0:
+                continue
+            if not closes[order[i % k]]:
+                if i < k:
+                    opened[depth] = half
+                    depth += 1
+                continue
+            at = depth - 1
+            while at >= 0 and not others_too and body[opened[at] // 3] != body[half // 3]:
+                at -= 1
+            if at >= 0:
+                opposite[half], opposite[opened[at]] = opened[at], half
+                depth -= 1
+                for j in range(at, depth):
+                    opened[j] = opened[j + 1]
 
 
 @inlined
@@ -157,7 +165,7 @@ def edges_by_vertex(triangles, junk, count):
 
 
 @compiled
-def link(triangles, vertices, junk, opposite, kinds):
+def link(triangles, vertices, body, junk, opposite, kinds):
     """The opposite and the kind of every half-edge, as in `MeshGraph`; how many are irregular."""
     opposite[:] = -1
     kinds[:] = 0
@@ -192,13 +200,13 @@ def link(triangles, vertices, junk, opposite, kinds):
                 edges[other, 0], edges[other, 1] = edges[i + 1, 0], edges[i + 1, 1]
             else:
                 irregular += count
-                link_fan(edges[i:end], key >> 1, triangles, vertices, v, opposite, kinds)
+                link_fan(edges[i:end], key >> 1, triangles, vertices, body, v, opposite, kinds)
             i += count
     return irregular
 
 
 @compiled
-def link_fan(edges, high, triangles, vertices, low, opposite, kinds):
+def link_fan(edges, high, triangles, vertices, body, low, opposite, kinds):
     """Pair the half-edges of one non-manifold edge, which are moved to the front."""
     count = 0
     for j in range(len(edges)):
@@ -211,7 +219,7 @@ def link_fan(edges, high, triangles, vertices, low, opposite, kinds):
     for k in range(count):
         fan[k] = edges[order[k], 0]
         kinds[fan[k]] = 2
-    pair_fan(fan, triangles, vertices, low, high, opposite)
+    pair_fan(fan, triangles, vertices, body, low, high, opposite)
 
 
 @compiled

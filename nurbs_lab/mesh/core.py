@@ -134,22 +134,41 @@ def linked(vertices, triangles, junk=None) -> MeshGraph:
     """The graph of triangles whose vertices are distinct; ``junk`` are left out, and copies of others."""
     opposite, kinds = np.empty(triangles.size, np.int32), np.empty(triangles.size, np.uint8)
     junk = np.zeros(len(triangles), bool) if junk is None else junk
+    body = np.zeros(len(triangles), np.int32)
     vertices.setflags(write=False)  # as those of a graph, so that the kernel is compiled once
-    if _kernels_core.link(triangles, vertices, junk, opposite, kinds):
-        copies = _copies(triangles, kinds)
-        if copies.size:
-            junk[copies] = True
-            _kernels_core.link(triangles, vertices, junk, opposite, kinds)
+    if _kernels_core.link(triangles, vertices, body, junk, opposite, kinds):
+        junk[_copies(triangles, kinds)] = True
+        _kernels_core.link(triangles, vertices, body, junk, opposite, kinds)
+        body = bodies_of(np.where(kinds == 2, -1, opposite))[1]
+        _kernels_core.link(triangles, vertices, body, junk, opposite, kinds)
     return MeshGraph(vertices, triangles, opposite, kinds, junk)
 
 
 def _copies(triangles, kinds):
-    """Triangles that repeat an earlier one, winding included; a copy shows by its irregular edges."""
+    """Triangles that repeat an earlier one, winding included; a copy shows by its irregular edges.
+
+    Where bodies share a wall, its triangles stand twice and belong to both. So those that hang together stay
+    if an edge of as many half-edges each way would not be one without them.
+    """
     suspects = np.flatnonzero((kinds.reshape(-1, 3) > 1).all(axis=1))
     corners = triangles[suspects]
     turn = (corners.argmin(axis=1)[:, None] + np.arange(3)) % 3
     _, first = np.unique(np.take_along_axis(corners, turn, axis=1), axis=0, return_index=True)
-    return np.delete(suspects, first)
+    copies = np.delete(suspects, first)
+    if not copies.size:
+        return copies
+    tails, heads = tails_and_heads(triangles)
+    _, edge = np.unique(np.sort(np.column_stack([tails, heads]), axis=1), axis=0, return_inverse=True)
+    edge = edge.reshape(-1, 3)
+    away, mine = np.where(tails < heads, 1, -1).reshape(-1, 3), edge[copies]
+    balance = np.bincount(edge.ravel(), away.ravel())
+    without = balance - np.bincount(mine.ravel(), away[copies].ravel(), len(balance))
+    needed = ((balance == 0) & (without != 0))[mine].any(axis=1)
+    count, group = components(
+        len(copies) + len(balance), np.repeat(np.arange(len(copies)), 3), len(copies) + mine.ravel()
+    )
+    group = group[: len(copies)]
+    return copies[np.bincount(group, needed, count)[group] == 0]
 
 
 def opposite_of(triangles) -> np.ndarray:
@@ -159,7 +178,7 @@ def opposite_of(triangles) -> np.ndarray:
     places.setflags(write=False)
     opposite, kinds = np.empty(triangles.size, np.int32), np.empty(triangles.size, np.uint8)
     junk = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
-    _kernels_core.link(triangles, places, junk, opposite, kinds)
+    _kernels_core.link(triangles, places, np.zeros(len(triangles), np.int32), junk, opposite, kinds)
     return np.where(kinds == 0, opposite, -1).astype(np.int64)
 
 

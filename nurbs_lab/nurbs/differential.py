@@ -140,7 +140,7 @@ def _normal(surface, values, u, v):
 def _refuse_places(what, bad, u, v):
     if bad.any():
         u, v = (x[tuple(np.argwhere(bad)[0])] for x in np.broadcast_arrays(u, v))
-        raise ValueError(f"{what} has no value at u = {u}, v = {v}: the tangents are parallel")
+        raise ValueError(f"{what} has no value at u = {u}, v = {v}: the tangents are parallel or vanish")
 
 
 def surface_curvature(surface, u, v):
@@ -151,7 +151,8 @@ def surface_curvature(surface, u, v):
     e, f, g = ((a * b).sum(axis=-1) for a, b in ((along_u,) * 2, (along_u, along_v), (along_v,) * 2))
     second = [(values[..., i, j, :] * normal).sum(axis=-1) for i, j in ((2, 0), (1, 1), (0, 2))]
     area = e * g - f * f
-    _refuse_places("curvature", ~(area > PARALLEL * e * g), u, v)
+    # near a pole the second derivatives are rounded by more than the shorter tangent's square
+    _refuse_places("curvature", ~(area > PARALLEL * np.maximum(e, g) ** 2), u, v)
     gaussian = (second[0] * second[2] - second[1] ** 2) / area / size**2
     mean = 0.5 * (second[0] * g - 2.0 * second[1] * f + second[2] * e) / area / size
     spread = np.sqrt(np.maximum(mean * mean - gaussian, 0.0))

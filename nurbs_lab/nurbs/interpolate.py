@@ -193,6 +193,8 @@ def _with_tangents(degree, t, points, tangents, closed):
         length, near = np.linalg.norm(vector), slice(max(k - 1, 0), k + 2)
         if not length > 0.0:
             raise ValueError(f"tangents[{index}] has no length, so no direction; leave it out")
+        if k in rows:
+            raise ValueError(f"tangents[{index}] is a second one of point {k}; give one")
         if abs(length - 1.0) < UNIT:
             vector = vector * (knots.steps(points[near], "chord", False).sum() / np.ptp(t[near]))
         rows[k] = vector

@@ -219,7 +219,7 @@ def leaderboard(rows, *, metric="chord"):
     Parameters
     ----------
     rows : sequence of Score
-        As `nurbs_lab.leaderboard` gives them.
+        As `nurbs_lab.motion.leaderboard` gives them.
     metric : {'chord', 'arc'}
 
     Returns

@@ -300,12 +300,8 @@ def nest(points, begins, plane, closed, nonzero):
                 x, y = inner[c]
                 winding = 0
                 for o in range(start, stop):
-                    if (
-                        closed[c]
-                        and closed[o]
-                        and abs(area[o]) > abs(area[c])
-                        and not (leave_out and left_out[o])
-                    ):
+                    around = (abs(area[o]), c) > (abs(area[c]), o)  # of equal ones the first is around
+                    if closed[c] and closed[o] and around and not (leave_out and left_out[o]):
                         within = box[o, 0] < x < box[o, 1] and box[o, 2] < y < box[o, 3]
                         if within and inside_polygon(points[begins[o] : begins[o + 1]], x, y):
                             if leave_out == 0:

@@ -47,6 +47,10 @@ def slice_mesh(mesh, heights, axis="z", *, fill="even-odd", executor=None) -> li
 
     Notes
     -----
+    A vertex on a plane counts as above it. So a plane through a flat top face gives its outline, and one
+    through a flat bottom face nothing. Contours are open where triangles meet in no common edge, as where a
+    vertex of one lies on an edge of the other.
+
     Time is linear in the number of vertices, triangles and segments, times the logarithm of the number of
     planes for the vertices. Planes are divided among Numba's threads; the bits do not depend on their number.
 

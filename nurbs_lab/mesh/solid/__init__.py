@@ -66,5 +66,6 @@ and of OpenCASCADE: `exact._PLACES`, `_FINE`, `_LEAST`, `trimmed._SIZE`, `_LEAST
 `_PLACES` and `_MOST_TRIANGLES`. Places where edges are measured: `reconstruction._PLACES`,
 `opencascade._ALONG`, `layout._SAMPLES`. Definitions: `net.DEGREE`, and `_kernels_patches.N`, one more;
 `fit.PENALTY`; kinds of vertices `FREE`, `ON_CURVE`, `CORNER` and `MOST_NEIGHBOURS` of rings; `ROUNDS` and
-`LONGEST` of Newton's method; `grids._HALVES`, `quads._PIECES`, `WAYS`, `faces.KINDS`, `quadrics.ROUND`.
+`LONGEST` of Newton's method; `grids._HALVES`, `opencascade.FAILURES`, `quads._PIECES`,
+`WAYS`, `faces.KINDS`, `quadrics.ROUND`.
 """

@@ -28,13 +28,11 @@ from OCP.Geom import (
 from OCP.gp import gp_Ax2, gp_Ax3, gp_Dir, gp_Pnt
 from OCP.ShapeAnalysis import ShapeAnalysis_FreeBounds
 from OCP.ShapeFix import ShapeFix_Shape
-from OCP.Standard import Standard_Failure
 from OCP.TopAbs import TopAbs_FORWARD, TopAbs_REVERSED, TopAbs_SHELL
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Edge, TopoDS_Face, TopoDS_Shell, TopoDS_Vertex
 from OCP.TopTools import TopTools_HSequenceOfShape
 
-__all__ = ["Standard_Failure", "shell_of"]
 _LEAST = 1e-7  # units: tolerance of vertices, edges and faces
 _FINE = 1e-7  # of the size: how far a curve may be from its surfaces, where that can be reached
 _PLACES = 8, 400  # on a curve: at first, and at most

@@ -9,6 +9,7 @@ from nurbs_lab.mesh.solid.faces import KINDS, Face
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 
 try:
+    from OCP import Geom, Geom2d, LProp, Standard, StdFail, gp
     from OCP.BinTools import BinTools
     from OCP.BRep import BRep_Builder, BRep_Tool
     from OCP.BRepAdaptor import BRepAdaptor_Curve2d, BRepAdaptor_Surface
@@ -36,6 +37,13 @@ except ImportError as missing:
         'STEP, IGES and exact faces need OpenCASCADE; get it by: pip install "cadquery-ocp-novtk==7.9.*"'
     ) from missing
 
+#: What OpenCASCADE raises. In Python none of them is a kind of another, nor of `Standard_Failure`.
+FAILURES = tuple(
+    one
+    for module in (Standard, StdFail, Geom, Geom2d, LProp, gp)
+    for one in vars(module).values()
+    if isinstance(one, type) and issubclass(one, Exception)
+)
 _ALONG = 17  # places on an edge where angles are measured
 
 
@@ -100,10 +108,13 @@ def capped_tube(tube):
     for face in faces:
         builder.Add(shell, face)
     for wire in parts(ShapeAnalysis_FreeBounds(shell, 1e-6).GetClosedWires(), TopAbs_WIRE):
-        cap = BRepBuilderAPI_MakeFace(TopoDS.Wire_s(wire), True)
-        if not cap.IsDone():
-            raise ValueError("capped: an end section is no plane curve; add a plane one, or a single point")
-        faces.append(cap.Face())
+        try:
+            faces.append(BRepBuilderAPI_MakeFace(TopoDS.Wire_s(wire), True).Face())
+        except FAILURES:
+            raise ValueError(
+                "capped: an end section is no plane curve, or crosses itself; add a plane and simple one, or "
+                "a single point"
+            ) from None
     shells = sewn(faces)
     valid = len(shells) == 1 and BRepCheck_Analyzer(shells[0]).IsValid()
     if not valid or BRep_Tool.IsClosed_s(shells[0]) is False:

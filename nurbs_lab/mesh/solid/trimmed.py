@@ -146,6 +146,7 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     """
     try:
         from nurbs_lab.mesh.solid import exact
+        from nurbs_lab.mesh.solid import opencascade as oc
     except ImportError:
         return None
     points, triangles = part.vertices, part.triangles.astype(np.int64)
@@ -162,7 +163,7 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     label, found, changes = regions
     try:
         shape = exact.shell_of(even, triangles, label, found, (size / unit, centre / unit))
-    except (exact.Standard_Failure, ValueError, StopIteration, np.linalg.LinAlgError):
+    except (*oc.FAILURES, ValueError, StopIteration, np.linalg.LinAlgError):
         return None  # borders that are no curves on their surfaces
     if shape is None:
         return None

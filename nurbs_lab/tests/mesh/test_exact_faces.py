@@ -223,6 +223,7 @@ def test_capped_sections_are_a_closed_solid(tmp_path):
         ([ring * (1, 1, 0) for ring in rings], "encloses no volume"),
         ([eight, eight + up], "passes through itself|no volume"),  # OpenCASCADE's volume of it never ended
         ([rings[0], rings[0] + 3 * up, rings[0] + up], "passes through itself"),
+        ([rings[0], eight + 20 * up], "crosses itself"),  # a cap that OpenCASCADE fails to make
     ):
         with pytest.raises(ValueError, match=said):
             nl.skin(wrong, capped=True)

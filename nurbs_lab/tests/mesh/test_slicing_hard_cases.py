@@ -141,6 +141,31 @@ def test_a_body_inside_a_body_is_a_hole_or_nothing_by_the_rule_asked_for():
     assert areas(hollow, "even-odd") == areas(hollow, "nonzero") == nested
 
 
+def box_between(low, high):
+    return trimesh.creation.box(bounds=[low, high])
+
+
+@pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.parametrize(
+    ("low", "high"),
+    [((0, 0), (2, 2)), ((0, 0), (2, 4)), ((1, 0), (3, 4)), ((0, 1), (2, 3)), ((2, 2), (4, 4))],
+)
+def test_bodies_that_share_walls_and_edges_are_cut_apart(low, high, first):
+    bodies = [box_between((0, 0, 0), (4, 4, 4)), box_between((*low, 0), (*high, 4))]
+    both = trimesh.util.concatenate([bodies[first], bodies[1 - first]])
+    inner = np.prod(np.subtract(high, low))
+    for fill, area in ("even-odd", 16 - inner), ("nonzero", 16):
+        (layer,) = slice_mesh(both, 2.01, fill=fill)
+        assert (layer.area, layer.open_ends, layer.junk_triangles) == (pytest.approx(area), 0, 0)
+
+
+def test_equal_contours_of_two_bodies_count_as_one_inside_the_other():
+    box = box_between((0, 0, 0), (4, 4, 4))
+    mirrored = trimesh.Trimesh(box.vertices * [-1, 1, 1] + [4, 0, 0], box.faces[:, ::-1], process=False)
+    pair = trimesh.util.concatenate([box, mirrored])  # its diagonals run the other way
+    assert [slice_mesh(pair, 2.01, fill=fill)[0].area for fill in ("even-odd", "nonzero")] == [0.0, 16.0]
+
+
 def test_a_pyvista_surface_and_a_file_are_meshes_too(tmp_path):
     mesh = trimesh.creation.icosphere()
     area = slice_mesh(mesh, 0.2)[0].area

@@ -46,6 +46,10 @@ THREAD = nl.NurbsSurface((1, 1), ([0, 0, 1, 1],) * 2, [[(0, 0, 0), (1, 0, 0)], [
         (lambda: PLANE.normal(0.5, 0.5), r"only shapes in 3-D have a normal, this one is in 2-D"),
         (lambda: THREAD.normal(0.5, 0.25), r"normal has no value at u = 0.5, v = 0.25"),
         (lambda: nl.interpolate_curve(LINE, 1, tangents={0: (1, 0, 0)}), r"degree 2 or more"),
+        (
+            lambda: nl.interpolate_curve(LINE, 2, tangents={0: (0, 1, 0), -5: (1, 0, 0)}),
+            r"second one of point 0",
+        ),
         (lambda: CURVE.refine([0.25] * 4), r"the knot 0.25 would be there more than 3 times"),
         (lambda: nurbs.revolve(CURVE, 7), r"angle must be at most a full turn"),
         (lambda: nurbs.arc(1, 0, 90), r"end must exceed start by at most a full turn, 2 pi"),
