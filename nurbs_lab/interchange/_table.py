@@ -4,6 +4,7 @@ The columns are ``t`` in s, ``u``, ``x``, ``y``, ``z`` in mm, and ``v`` in mm/s,
 chord of the period that ends in the row (0 in the first).
 """
 
+import contextlib
 import re
 import warnings
 from dataclasses import dataclass
@@ -12,8 +13,10 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_floats, lengths
 from nurbs_lab.mesh.formats.shape import unended
+from nurbs_lab.mesh.read import UNITS
 
 _NUMBER = re.compile(r"[+-]?((\d+\.?\d*|\.\d+)(e[+-]?\d+)?|nan|inf(inity)?)", re.IGNORECASE)
+_AXIS = re.compile(rf"\s*([xyz])\s*(?:[\[(]({'|'.join(UNITS)})[\])])?\s*", re.IGNORECASE)
 HEADS = {dim: ["t", "u", *"xyz"[:dim], "v"] for dim in (2, 3)}
 
 
@@ -47,29 +50,52 @@ def _speeds(t, points):
 
 
 def read(path):
-    """A `PathTable` if the first line names its columns; else the rows of numbers, as points."""
-    comma = None if path.suffix.lower() == ".txt" else ","
-    text = path.read_text(encoding="utf-8-sig")
-    first = text.partition("\n")[0]
+    """A `PathTable` if the first line names its columns; else points, by the x, y and z of a header."""
+    comma, by = (None, "blanks") if path.suffix.lower() == ".txt" else (",", "commas")
+    lines = (text := path.read_text(encoding="utf-8-sig")).split("\n")
     for note in unended(text.encode()):
         warnings.warn(f"path: {path.name}: {note}", stacklevel=3)
     if re.search(r"^[^#\n]*[^\s#]#", text, re.MULTILINE):
         raise ValueError("a number of it goes on with '#', which begins a comment; it is damaged")
-    if comma and ";" in first:
-        raise ValueError("its numbers are separated by semicolons; separate them by commas")
-    names = [word.strip() for word in first.split(comma)]
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")  # of a file without any row, and of equal times
-        headed = any(names) and not any(map(_NUMBER.fullmatch, names))
-        rows = np.loadtxt(path, delimiter=comma, ndmin=2, encoding="utf-8-sig", skiprows=int(headed))
-        if rows.shape[1] != len(names):
-            raise ValueError(f"its first line has {len(names)} columns, the others {rows.shape[1]}")
-        as_floats("the table", rows)
-        named, t, points, v = names in HEADS.values(), rows[:, 0], rows[:, 2:-1], rows[:, -1]
-        moves = rows.shape[1] in (5, 6) and len(t) > 1 and (np.diff(t) > 0).all()
+    found = [(i, row) for i, line in enumerate(lines) if (row := line.partition("#")[0].strip())]
+    first, head = found[0] if found else (0, "")
+    names = [word.strip(' \t"') for word in head.split(comma)]
+    headed, named = not any(map(_NUMBER.fullmatch, names)), names in HEADS.values()
+    axes = _axes(names if headed else lines[first - 1].lstrip("# ").split(comma))  # of a comment above
+    if headed and not (axes or named):
+        said = f"its first line {head[:40]!r} is neither numbers nor names separated by {by}"
+        raise ValueError(f"{said}; name x, y and z, such as 'x[mm]', and leave other columns out")
+    rows = _numbers(found[headed:], len(names), comma, by)
+    as_floats("the table", rows)
+    t, points, v = rows[:, 0], rows[:, 2:-1], rows[:, -1]
+    moves = rows.shape[1] in (5, 6) and len(t) > 1 and (np.diff(t) > 0).all()
+    some = slice(None) if named else slice(1, None)  # a path starts at rest
+    with np.errstate(all="ignore"):
         speeds = _speeds(t, points) if moves else np.zeros(len(t))
-        some = slice(None) if named else slice(1, None)  # a path starts at rest
         near = np.allclose(speeds[some], v[some], rtol=1e-6, atol=1e-6 * speeds.max())
-        if named != (speeds.any() and near):
-            raise ValueError("a line is missing, doubled or damaged: its speeds are not those of its chords")
+    if named != (speeds.any() and near):
+        raise ValueError("a line is missing, doubled or damaged: its speeds are not those of its chords")
+    rows = rows[:, list(axes)] * [*axes.values()] if axes else rows
     return PathTable(t, rows[:, 1], points, v) if named else rows
+
+
+def _axes(names):
+    """The columns of x, y and z -> their units in mm; nothing if these are not all names, each once."""
+    found = sorted((m[1].lower(), i, m[2] or "mm") for i, m in enumerate(map(_AXIS.fullmatch, names)) if m)
+    whole = len(found) == len(names) and [axis for axis, *_ in found] == list("xyz"[: len(names)])
+    return {i: UNITS[unit.lower()] for _, i, unit in found} if whole else {}
+
+
+def _numbers(rows, count, comma, by):
+    """The numbers of rows ``[(place of the line, text), ...]``; a row of others or of words is named."""
+    with contextlib.suppress(ValueError):
+        numbers = np.loadtxt([row for _, row in rows] or ["-"], delimiter=comma, ndmin=2)
+        if numbers.shape[1] == count:
+            return numbers
+    for i, row in rows:
+        words = [word.strip() for word in row.split(comma)]
+        strange = [w for w in words if not _NUMBER.fullmatch(w)] + [row] * (len(words) != count)
+        if strange:
+            said = f"could not convert string {strange[0]!r} of line {i + 1}"
+            raise ValueError(f"{said}; make it {count} numbers separated by {by}, as the first line has")
+    raise ValueError("it holds no row of numbers")

@@ -93,7 +93,7 @@ def _about_size(path, shape, points, unit):
 def _checked(vertices, triangles):
     vertices, triangles = as_floats("mesh: vertices", vertices), np.asarray(triangles)
     if not triangles.size:
-        raise ValueError("mesh has no triangles; there is nothing to slice")
+        raise ValueError("mesh has no triangles; give one that has faces")
     for name, rows in (("vertices", vertices), ("triangles", triangles)):
         if rows.ndim != 2 or rows.shape[1] != 3:
             raise ValueError(f"mesh: {name} must have shape (n, 3), got {rows.shape}")

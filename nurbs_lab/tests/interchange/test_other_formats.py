@@ -63,3 +63,16 @@ def test_a_table_whose_last_line_has_no_end_is_warned_of(tmp_path):
     (tmp_path / "cloud.csv").write_text("x,y,z\n1,2,3\n7,8,9\n4,5,6.7")
     with pytest.warns(UserWarning, match=r"cloud\.csv: its last line has no end; it may be cut off"):
         np.testing.assert_array_equal(nl.read(tmp_path / "cloud.csv"), [(1, 2, 3), (7, 8, 9), (4, 5, 6.7)])
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.csv", "y,z,x\n2,3,1\n"),
+        ("a.csv", '# of a probe\n"Z [m]",X (cm),y\n0.003,0.1,2\n'),
+        ("a.txt", "# z x y\n3 1 2\n"),  # as NumPy writes it
+    ],
+)
+def test_a_header_names_the_columns_and_units_of_points(tmp_path, name, text):
+    (tmp_path / name).write_text(text)
+    np.testing.assert_allclose(nl.read(tmp_path / name), [(1, 2, 3)])

@@ -159,7 +159,20 @@ CURVE_OF_JSON = """{"shape": {"type": "curve", "data": [{"degree": 1, "knotvecto
         ("a.csv", "nan,0\n1,2\n", r"the table\[0, 0\] is nan"),
         ("a.csv", "0,0,0,0,0\n1,0,3,4,5\n3,1,0,0,2.5\n", "a line is missing"),
         ("a.csv", "1,0,3,4,5\n3,1,0,0,2.5\n", "a line is missing"),
-        ("a.txt", "0 l.5\n1 2\n", "could not convert string 'l.5'"),
+        (
+            "a.txt",
+            "0 l.5\n1 2\n",
+            "could not convert string 'l.5' of line 1; make it 2 numbers separated by bl",
+        ),
+        ("a.csv", "# A\nx,y\n1\t2\n", r"could not convert string '1.t2' of line 3; .* by commas"),
+        ("a.csv", "1,2,3\n4,5\n", "could not convert string '4,5' of line 2; make it 3 numbers"),
+        (
+            "a.csv",
+            "id,x,y\n1,2,3\n",
+            "its first line 'id,x,y' is neither .* names .* leave other columns out",
+        ),
+        ("a.csv", "x,y[acre]\n1,2\n", "its first line .* is neither numbers nor names"),
+        ("a.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n", "mesh has no triangles; give one that has faces"),
         ("a.stl", "", "it is neither text that begins with 'solid' nor binary: 0 bytes"),
     ],
 )
