@@ -7,10 +7,10 @@ suffix                  what `export` writes, and `read` gives back
 ``.iges`` ``.igs``      the same, in the older format
 ``.json``               curves or surfaces, as geomdl writes and reads them; a list of shapes
 ``.obj`` ``.stl``       surfaces as triangles, reconstructions as closed meshes; a `trimesh.Trimesh`
-``.ply`` ``.off``       only read: a `trimesh.Trimesh`, or the points of a cloud of a PLY file
+``.ply`` ``.off``       only read, as ``.3mf`` ``.glb`` are: a `trimesh.Trimesh`, or the points of a PLY
 ``.ngc``                a curve, tool path or program for a machine tool; a `Program`
 ``.nc`` ``.mpf`` ``.h`` only read: the same, as ``.gcode`` ``.tap`` ``.cnc`` are; a `Program`
-``.csv``                one tool path, as a table ``t,u,x,y[,z],v``; a `PathTable`, or the points of a table
+``.csv`` ``.txt``       a tool path, a table ``t,u,x,y[,z],v`` (only a ``.csv``); a `PathTable`, or points
 ======================  =====================================================================================
 
 Lengths are mm in every format. Readers compare what they find with what the file promises; a part that is
@@ -149,13 +149,14 @@ def read(path, unit=None):
     """What a file holds: curves and surfaces, a mesh, points, a tool path or a program, by its suffix.
 
     Programs are those of RS274/NGC (LinuxCNC, with its o-words, parameters, cycles and splines), and of
-    these: Fanuc's G5.1, G6.2, M98, WHILE and GOTO; Siemens' BSPLINE, IC, AC, CR=, TURN=, R parameters,
-    CYCLE81 to 89 and SUPA; Heidenhain's L, CC, C, CP, CR, SPL, TOOL CALL, cycles for holes, M91 and M136;
-    moves of printers. What LinuxCNC refuses is read as by others: G9, G11, G15, G16, G50, G60, G62, G63,
-    G67, G69 to G71, M13, M14, M91 and M92; D and H in any block, several M words, G4 with X, U, F or S,
-    cycles with P or without, with L0 and heights of the cycle before, K0 of a flat arc, G5 without its word
-    or with Z, G5.1 without I or J, G93 without F or move, X=5, #1=#2+1, names and comments beside %, comments
-    before an o-word. Tools, outputs, angles of M19 and axes are not looked up, and spindles may stand still.
+    these: Fanuc's G5.1, G6.2, M98, WHILE, GOTO, and G10 beside an O number or G54.1; Siemens' BSPLINE, IC,
+    AC, CR=, TURN=, R parameters, CYCLE81 to 89 and SUPA; Heidenhain's L, CC, C, CP, CR, SPL, TOOL CALL,
+    cycles for holes, M91 and M136; moves of printers. What LinuxCNC refuses is read as by others: G9, G11,
+    G15, G16, G50, G60, G62, G63, G67, G69 to G71, M13, M14, M91 and M92; D and H in any block, several M
+    words, G4 with X, U, F or S, cycles with P or without, with L0 and heights of the cycle before, K0 of a
+    flat arc, G5 without its word or with Z, G5.1 without I or J, G93 without F or move, X=5, #1=#2+1, names
+    and comments beside %, comments before an o-word. Tools, outputs, angles of M19 and axes are not looked
+    up, and spindles may stand still.
 
     Refused by name are compensation of the radius, turned, scaled or shifted axes, rounded corners, probes,
     macros and what a file does not hold; also CIP, CT and POLY of Siemens, LBL, LP, CT, RND, FU, FZ and M103
@@ -175,12 +176,13 @@ def read(path, unit=None):
     Returns
     -------
     list of NurbsCurve and NurbsSurface, trimesh.Trimesh, Program, PathTable, or ndarray (n, dim)
-        As the table of `nurbs_lab.interchange` says; an array of the points of a table or a mesh file without
-        faces. Curves come before surfaces. CAD formats keep three coordinates, so a plane curve comes back
-        with z = 0; planes, such as the sides of a block, are left out; a trimmed face is its whole surface.
-        Polygons are divided into triangles; equal vertices of an STL are one. OBJ and 3MF do not say how many
-        faces they have, nor a table its rows or G-code its moves: nobody can see that whole lines of such a
-        file are missing. Moves of a program know their lines.
+        As the table of `nurbs_lab.interchange` says; an array of the points of a table, whose header may name
+        x, y and z in any order and their units, or of a mesh file without faces. Curves come before
+        surfaces. CAD formats keep three coordinates, so a plane curve comes back with z = 0; planes,
+        such as the sides of a block, are left out; a trimmed face is its whole surface. Polygons are
+        divided into triangles; equal vertices of an STL are one. OBJ and 3MF do not say how many
+        faces they have, nor a table its rows or G-code its moves: nobody can see that whole lines of
+        such a file are missing. Moves of a program know their lines.
 
     Raises
     ------
@@ -193,7 +195,8 @@ def read(path, unit=None):
     -----
     UserWarning
         If the file names more shapes than its reader finds, may be cut off, has words that are left out, or
-        if a unit is open: a GLB, or a part under 1 mm or over 10 m whose file states none.
+        if a unit is open: a GLB, a program without G20 or G21, or a part under 1 mm or over 10 m whose file
+        states none.
 
     Examples
     --------

@@ -205,21 +205,22 @@ class Commands(Shapes):
                 self.shift[i] += self.position[i] - self._absolute(i, taken[AXES[i]])
                 self.known[i] = True
         else:
-            system = taken.get("P", -1) or self.system + 1
-            if taken.get("L") in (1, 10, 11) or not taken.keys() & set("LXYZ"):
+            kind, place = taken.get("L"), taken.get("P", -1)
+            if kind in (1, 10, 11, 12, 13) or not taken.keys() & set("LXYZ"):
                 self.left_out["G10", "of the table of tools, or of a printer, and left out"] += 1
                 return
-            known = taken.get("L") in (2, 20) and system in range(1, 1 + len(SYSTEMS))
-            if not known or any(map(taken.get, "RIJQ")):
-                raise ValueError(
-                    "G10 is read with L2 or L20 and P1 to P9 only, which sets a shift; write others out"
-                )
-            system = int(system) - 1
-            self.set_offsets.add(system)
+            most = (300 if kind == 20 else 6) if self.fanuc else len(SYSTEMS)
+            place = place if self.fanuc else place or self.system + 1  # P0 of Fanuc shifts all of them
+            if kind not in (2, 20) or place not in range(1, 1 + most) or any(map(taken.get, "RIJQ")):
+                said = f"with L2 or L20 and P1 to P{most} only, which sets a shift; write others out"
+                raise ValueError(f"G10 is read {said}")
+            extended, step = self.fanuc and kind == 20, self.fanuc and not self.absolute
+            system = int(place) - 1 + 101 * extended  # G54.1
+            self.set_offsets |= set() if step else {system}
             for i in given:
-                value = taken[AXES[i]] * self.unit
+                value = taken[AXES[i]] * self.unit + step * self.offsets[system][i]
                 here = self.position[i] - self.shift[i]
-                self.offsets[system][i] = here - value if taken["L"] == 20 else value
+                self.offsets[system][i] = here - value if kind == 20 and not extended else value
 
     def _shift(self, code, value, taken, block):
         """G92.1 to G92.3: forget the shift, or put it away, or take it up again."""

@@ -23,6 +23,8 @@ from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_cur
 from nurbs_lab.machining.program import Program
 
 SMALL_MM = 1000.0  # beyond it, numbers without a point are asked for their unit
+UNSAID = "from a place that the program does not say, which is taken as 0"
+UNITS = {code for code, (kind, *_) in table.G_WORDS.items() if kind == "unit"}
 MARKS = {*"MNTDH", *LETTERED}  # letters that are no words of a move
 PLACES = tuple(enumerate(("Xxt", "Yyu", "Zzv")))  # by their words, by steps IX or X=IC(), and by X=AC()
 POLAR = set("@^&")
@@ -57,6 +59,7 @@ class _Interpreter(Commands):
         self.cycle, self.hole, self.level, self.retract, self.saved = 0, {}, 0.0, None, {}
         self.holes, self.due = None, False  # a cycle that blocks elsewhere call, and whether this one does
         self.heidenhain = head is not None
+        self.fanuc = bool(self.flow.programs) or any("G54.1" in line or "G154" in line for line in lines)
         if head == "INCH":
             self.unit = self.feed_length = 25.4
             self.feed_unit = 1 / 600  # Heidenhain counts tenths of an inch
@@ -92,6 +95,9 @@ class _Interpreter(Commands):
             yield "it holds no move" + (f"; it defines the subroutines {subs}" if subs else "")
         if not self.ended and (self.kinds or not subs):
             yield "it has no end of a program (M2, M30, % or END PGM); it may be cut off"
+        printed = any(word == "E" or "printer" in why for word, why in self.left_out)
+        if self.kinds and not (self.heidenhain or printed or self.codes & UNITS):
+            yield "it has no G20 or G21; its numbers are taken as mm"
         for (word, why), count in self.left_out.items():
             yield f"{word} in {count} of its blocks is {why}"
         if self.open_start:
@@ -221,17 +227,18 @@ class _Interpreter(Commands):
             block |= {way: block.pop(axis) for axis, way in zip("XY", "@^", strict=True) if axis in block}
         if not POLAR.isdisjoint(block):
             self._turn(block)
-        end, known = self.position.copy(), None not in self.known
+        end, known, cut = self.position.copy(), None not in self.known, self.motion not in ("rapid", "drill")
         for i, (axis, step, fixed) in PLACES:
             word = axis if self.absolute and axis in block else fixed
             if word in block:
                 end[i] = self._absolute(i, block.pop(word))
-                known &= bool(self.known[i])
+                if self.known[i] is False and (cuts := self.kinds.count(CUT) + cut):
+                    self.left_out[axis, UNSAID] += cuts
+                known &= bool(self.known[i]) or cut
                 self.known[i] = True
             elif axis in block or step in block:
                 if self.known[i] is False:
-                    why = "from a place that the program does not say, which is taken as 0"
-                    self.left_out[f"a step of {axis}", why] += 1
+                    self.left_out[f"a step of {axis}", UNSAID] += 1
                 end[i] += block.pop(axis if axis in block else step) * self.unit
             else:
                 continue

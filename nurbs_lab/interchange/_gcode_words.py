@@ -57,7 +57,9 @@ NO_WORDS = {
     r"\b(?:M?CALL|REPEAT|IF|WHILE|FOR|GOTO\w*|LBL|CYCL|PROC|DEF|FN ?\d+)\b": "is a subroutine or a condition",
     r",\s*[ACR]": "rounds or cuts off a corner, or turns by an angle",
     r"\b(?:A?TRANS|A?ROT|A?SCALE|A?MIRROR|PLANE)\b": "shifts, turns, scales or mirrors what follows",
+    r"^(?:N\d+\s*)?[A-Z_]\w+:": "is a label, to which others jump",
     r"\b(?:[CL]T?P|[CL]T|LN|RND|CHF|APPR|DEP)\b|=AC\b": "holds a command that this reader does not know",
+    r"\b(?:[A-Z]{2,}\d*|[SM]\d)=": "holds a word of Siemens that this reader does not know",
     r"\b(?:CIP|POLY|[A-C]SPLINE)\b": "moves along a curve that this reader does not know",
     r"^\$": "is a command to the console of GRBL, not of a program",
     r"\bF(?:[UZ][\d.]|T| AUTO)": "gives its feed by the turn, the tooth, the time or the tool",
@@ -77,6 +79,7 @@ NAME_OF_MACHINE = re.compile(
     "|LINE|PLANE|ADAPTIVE_FEED|COORD_SYSTEM|METRIC|IMPERIAL|ABSOLUTE|INCREMENTAL|INVERSE_TIME|TOOL_OFFSET"
     "|UNITS_PER_(?:MINUTE|REV)|MIST|FLOOD|CCOMP|VALUE(?:_RETURNED)?|VMAJOR|VMINOR|TASK|(?:CALL|REMAP)_LEVEL)"
 )
+R_PARAMETER = re.compile(r"_R\d+$")  # of Siemens
 MOST_SCANNED = 4096  # lines with expressions that are kept, because loops repeat them
 SAME = 1e-4  # numbers that differ by less are equal, as in LinuxCNC
 #: Operator -> its level of precedence and what it does.
@@ -112,6 +115,7 @@ def lines_of(data):
     if re.match(r"%\S*[ \t]+G7[01]\b", text):
         raise ValueError("line 1: it is G-code of Heidenhain; give the program in its plain language")
     head = re.search(r"BEGIN PGM[^\n]*?\b(MM|INCH)?[ \t]*$", text, re.MULTILINE)
+    text = re.sub(r"(?<=\d),(?=\d)", ".", text) if head else text
     for (mark, pattern), meaning in REWRITTEN.items():
         if mark in text:
             text = re.sub(pattern, meaning, text, flags=re.MULTILINE)
@@ -171,7 +175,9 @@ def words_of(line, parameters, spaced=True):
         if letter:
             words.append((letter, value(parameters)))
         else:
-            settings[_own(key(parameters))] = value(parameters)
+            settings[name := _own(key(parameters))] = value(parameters)
+            if R_PARAMETER.match(str(name)):  # whether its block sees it is nowhere said
+                parameters.pop(name, None)
     parameters.update(settings)
     return words
 
@@ -294,6 +300,8 @@ class Parameters(dict):
 
     def __missing__(self, key):
         if isinstance(_own(key), str):
+            if R_PARAMETER.match(key):
+                raise ValueError(f"{key[1:]} has no value of a block before this one; give it one there")
             raise ValueError(f"#<{key.lower()}> is not set in this file; give it a value first")
         return 0.0
 

@@ -210,7 +210,7 @@ TO_MILL = milling().moves
     [
         ([path()], {"feed": 3.0}, "^feed, .*name a dialect"),  # a tool path alone has its own
         ([curve(dim=2)], {**PLANE, "dialect": "arcs", "tolerance": 1e-18}, "^tolerance must be at least"),
-        ([curve()], {**ASKED, "dialect": "linuxcnc"}, r"leaves the plane XY.*dialect='g1'"),
+        ([curve()], {**ASKED, "dialect": "linuxcnc"}, r"leaves the plane XY.*dialect='arcs'"),
         (
             [curve(dim=2)],
             {**PLANE, "dialect": "linuxcnc", "axes": "XZ"},

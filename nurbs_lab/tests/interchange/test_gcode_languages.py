@@ -153,6 +153,7 @@ def test_holes_of_siemens_and_heidenhain_are_where_they_are_called(tmp_path, tex
         (["CC X+0 Y+0", "CP PA+180 DR+ F60"], (-10, 0, 0), 10 * np.pi),
         (["CC X+7 Z+0", "CP IPA+90 DR+ F60"], (7, 0, -3), 1.5 * np.pi),  # from Z to X is positive
         (["FN 0: Q5 = +4", "L Y+Q5 F60"], (10, 4, 0), 4.0),
+        (["L Y+4,5 F60"], (10, 4.5, 0), 4.5),
     ],
 )
 def test_polar_arcs_and_parameters_of_heidenhain(tmp_path, blocks, end, length):

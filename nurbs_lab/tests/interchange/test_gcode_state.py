@@ -63,6 +63,23 @@ def test_offsets_that_the_program_sets_are_kept_and_others_named(tmp_path, recwa
     assert named == [("G54", "3"), ("G505", "1")]  # and not G55
 
 
+@pytest.mark.parametrize(
+    ("begin", "block", "ends_at"),
+    [
+        ("", "G10 L20 P1 X100\nG1 X1", -99),  # LinuxCNC: this place becomes X100
+        ("%\nO5\n", "G10 L20 P1 X100\nG1 X1", 1),  # Fanuc: the offset of G54.1 P1
+        ("%\nO5\n", "G10 L20 P1 X100\nG54.1 P1 G1 X1", 101),
+        ("", "G10 L20 P2 X100\nG54.1 P2 G1 X1", 101),
+        ("%\nO5\n", "G10 L2 P1 X9\nG91 G10 L2 P1 X3\nG90 G1 X1", 13),
+        ("", "G10 L2 P1 X9\nG91 G10 L2 P1 X3\nG90 G1 X1", 4),
+        ("%\nO5\n", "G10 L13 P1 R3\nG1 X1", 1),
+    ],
+)
+def test_offsets_that_fanuc_and_linuxcnc_write_alike(tmp_path, begin, block, ends_at):
+    (move,) = program(tmp_path, f"{begin}{START}{block}\nM30\n" + "%" * bool(begin)).moves
+    assert ends([move])[0, 0] == ends_at
+
+
 @pytest.mark.parametrize(("word", "feed"), [("G70", 1.0), ("G700", 25.4), ("G20", 25.4)])
 def test_inches_of_paths_and_of_feeds(tmp_path, word, feed):
     """G70 of Siemens leaves F as it is."""
@@ -73,15 +90,23 @@ def test_inches_of_paths_and_of_feeds(tmp_path, word, feed):
         program(tmp_path, "%A G70 *\nN1 G00 X+0 Y+0 Z+0 *\nN2 G01 X+1 F600 *\nN9 %A G70 *")
 
 
+@pytest.mark.parametrize(("begin", "count"), [("", 1), ("G71 ", 0), ("G20 ", 0), ("M201 X9\n", 0)])
+def test_a_program_that_names_no_unit_is_in_mm_and_said(tmp_path, recwarn, begin, count):
+    """A program of a printer has always been."""
+    program(tmp_path, f"{begin}G0 X0 Y0\nG1 X5 F600\nM2")
+    assert sum("no G20 or G21; its numbers are taken as mm" in str(one.message) for one in recwarn) == count
+
+
 def test_a_start_that_no_block_gives(tmp_path):
-    """In steps it is 0, and named; otherwise a cut of an axis that has none yet is left out and named."""
+    """It is 0, and named, for steps, for the cut that gives the first one, and for all cuts before it."""
     with pytest.warns(UserWarning, match="a step of . in 2 .* from a place .* taken as 0") as said:
         moves = program(tmp_path, "G21 G91 F600\nG1 X10\nG1 Y10\nG1 X-10\nG1 Y-10\nM2").moves
     assert len(said) == 2
     np.testing.assert_allclose(ends(moves)[:, :2], [(10, 0), (10, 10), (0, 10), (0, 0)])
-    with pytest.warns(UserWarning, match=r"1 of its cuts begin where the program does not say, .* line 2"):
-        moves = program(tmp_path, "G0 X0 Y0\nG1 Z-1 F600\nX5\nM2").moves
-    np.testing.assert_allclose(ends(moves), [(5, 0, -1)])
+    with pytest.warns(UserWarning, match=r"Y in 3 of its blocks is from a place .* taken as 0") as said:
+        moves = program(tmp_path, "G21 G0 X0 Z5\nG1 Z-1 F600\nX5\nY2\nX0\nM2").moves
+    assert len(said) == 1
+    np.testing.assert_allclose(ends(moves), [(0, 0, -1), (5, 0, -1), (5, 2, -1), (0, 2, -1)])
 
 
 @pytest.mark.parametrize("miss", [0.004, 0.02])
