@@ -179,9 +179,7 @@ class LinuxCnc(G1):
             raise ValueError(f"axes: G5.2 moves X and Y, got {self.axes!r}; take dialect='g1' or 'arcs'")
         others = [i for i in range(curve.dim) if i not in columns]
         if (np.ptp(curve.control_points[:, others], axis=0) > 10.0**-self.digits).any():
-            raise ValueError(
-                "items: a curve leaves the plane XY of G5.2; take dialect='arcs' or dialect='g1'"
-            )
+            raise ValueError("items: a curve leaves the plane XY; take dialect='arcs' or dialect='g1'")
         if curve.degree <= self.degree:
             rows = _pieces.bezier_rows(curve)
             points, weights = project(rows), rows[..., -1] / rows[..., -1].max(axis=1)[:, None]

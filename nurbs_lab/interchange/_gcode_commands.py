@@ -30,8 +30,7 @@ class Commands(Shapes):
             raise ValueError(f"{word} moves or scales the heights of a cycle; end it by G80 before")
         for motion, code, letters in motions:
             if both := owned & set(letters):
-                said = f"its {min(both)} belongs to G{code / 10:g} and to another word"
-                raise ValueError(f"{said}; give each its own block")
+                raise ValueError(f"its {min(both)} belongs to G{code / 10:g} and to another word; part them")
             if motion and "axes" in chosen:
                 both = f"G{chosen['axes'] / 10:g} and G{code / 10:g}"
                 raise ValueError(f"{both} cannot share the axes of one block; give each its own")
@@ -99,8 +98,7 @@ class Commands(Shapes):
             if kind == "per" and value != self.per:
                 self.feed = NO_FEED
             elif kind == "per" and self.feed != NO_FEED and "F" not in block:
-                said = "without F, and the feed before it goes on; LinuxCNC asks for a new one"
-                self.left_out[f"G{code / 10:g}", said] += 1
+                self.left_out[f"G{code / 10:g}", "without F, and the feed before it goes on"] += 1
             self.spindle = 0.0 if kind == "surface" else self.spindle
             setattr(self, kind, value)
         elif kind == "note":
@@ -212,8 +210,7 @@ class Commands(Shapes):
             most = (300 if kind == 20 else 6) if self.fanuc else len(SYSTEMS)
             place = place if self.fanuc else place or self.system + 1  # P0 of Fanuc shifts all of them
             if kind not in (2, 20) or place not in range(1, 1 + most) or any(map(taken.get, "RIJQ")):
-                said = f"with L2 or L20 and P1 to P{most} only, which sets a shift; write others out"
-                raise ValueError(f"G10 is read {said}")
+                raise ValueError(f"G10 is read with L2 or L20 and P1 to P{most} only; write others out")
             extended, step = self.fanuc and kind == 20, self.fanuc and not self.absolute
             system = int(place) - 1 + 101 * extended  # G54.1
             self.set_offsets |= set() if step else {system}

@@ -81,9 +81,7 @@ class Flow:
         """Take the line here, if it is one of these words, and go to the next; whether it was one."""
         self.left -= 1
         if self.left < 0:
-            raise ValueError(
-                f"more than {MOST_BLOCKS:,} blocks are repeated; end its loops, or give the moves themselves"
-            )
+            raise ValueError(f"more than {MOST_BLOCKS:,} blocks are repeated; end its loops")
         if self.place not in self.words:
             return False
         place, (name, word, rest) = self.place, self.words[self.place]
@@ -171,9 +169,7 @@ class Flow:
             times, number = divmod(number, 10_000)
         number = str(number)
         if number not in self.programs or not 0 <= times <= MOST_CALLS - len(self.frames):
-            raise ValueError(
-                f"M98 P{number} calls a program of another file, or too many; write its moves out"
-            )
+            raise ValueError(f"M98 P{number} calls a program of another file, or too many; write it out")
         if times:
             self.frames += [(self.place, None, {})] + (times - 1) * [(self.programs[number], None, {})]
             self.place = self.programs[number]

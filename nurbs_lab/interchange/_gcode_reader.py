@@ -171,9 +171,7 @@ class _Interpreter(Commands):
                 bare -= {machine[-1]} if letter in table.OUTPUTS.get(machine[-1], "") else set()
             elif letter not in MARKS:
                 if letter in block:
-                    raise ValueError(
-                        f"{letter}{number:g} follows another {letter}; one block holds one of each"
-                    )
+                    raise ValueError(f"{letter}{number:g} follows another {letter}; keep one of them")
                 block[letter] = number
             elif letter == "M":
                 machine.append(number)
@@ -252,8 +250,7 @@ class _Interpreter(Commands):
         if self.motion != "arc" and PLACED.isdisjoint(block):
             raise ValueError(f"{shown_words(block)} is not known without a place; correct or remove it")
         if self.resumed:
-            said = "followed by moves without a word, which go on as before the cycle"
-            self.left_out["G80", said] += 1
+            self.left_out["G80", "followed by moves without a word, which go on as before the cycle"] += 1
         if self.motion == "drill":
             self._drill(block)
             return

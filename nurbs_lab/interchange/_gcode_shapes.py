@@ -66,9 +66,7 @@ def by_spans(degree, start, points, weights, given):
     filled = np.flatnonzero(given) if None not in given else range(len(given))
     spans = given[filled[0] : filled[-1] + 1]
     if None in spans or len(spans) != count:
-        raise ValueError(
-            f"its {len(points)} control points need {count} lengths PL of the spans of the knots"
-        )
+        raise ValueError(f"its {len(points)} control points need {count} lengths PL of spans of knots")
     ends = np.r_[0.0, np.cumsum(spans)]
     return np.r_[[0.0] * degree, ends, [ends[-1]] * degree], points, weights
 

@@ -107,8 +107,7 @@ def found_by_reader(path, format):
                 command, stdin=subprocess.DEVNULL, stdout=found, stderr=said, timeout=patience
             )
         except subprocess.TimeoutExpired:
-            said = f"OpenCASCADE found no end of it in {patience:.3g} s; it is damaged"
-            raise ValueError(said) from None
+            raise ValueError(f"OpenCASCADE found no end of it in {patience:.3g} s; it is damaged") from None
         said.seek(0)
         last = (said.read().decode(errors="replace").splitlines() or [""])[-1]
         if any(word in last for word in ("MemoryError", "bad_alloc", "OutOfMemory")):

@@ -41,9 +41,7 @@ def split_until(rows, fits):
         first = np.flatnonzero(~good) + np.arange(np.count_nonzero(~good))
         parts[np.sort(np.r_[first, first + 1])] = halved(rows[~good])
         rows = parts
-    raise ValueError(
-        f"tolerance: it would take more than {MOST_PIECES} pieces, or pieces as short as rounding; allow more"
-    )
+    raise ValueError(f"tolerance: it would take more than {MOST_PIECES} pieces, or tiny ones; allow more")
 
 
 def chord_points(curve, tolerance):

@@ -35,9 +35,7 @@ class PathTable:
 
 def write(path, parts):
     if len(parts.paths) != 1:
-        raise ValueError(
-            f"items: a .csv file holds one tool path, got {len(parts.paths)}; write each to its own"
-        )
+        raise ValueError(f"items: a .csv file holds one tool path, got {len(parts.paths)}; write each alone")
     (tool_path,) = parts.paths
     points = np.asarray(tool_path.points)
     table = np.column_stack([tool_path.t, tool_path.u, points, _speeds(tool_path.t, points)])
