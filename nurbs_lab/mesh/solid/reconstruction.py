@@ -230,10 +230,10 @@ class Reconstruction(Value):
             *(self._beside_mesh() if deviation.count else [f"volume {self.volume:.6g} mm³"]),
         ]
         equal = [shell for shell in self.shells if isinstance(shell, TrimmedShell) and shell.made_equal]
-        if equal:
-            same, change = sum(shell.made_equal for shell in equal), max(shell.change for shell in equal)
-            said = f"axes and sizes of {counted(same, 'face')} made equal to others"
-            lines.append(f"{said}, by at most {change:.1g} mm")
+        change = max((shell.change for shell in equal), default=0.0)
+        if change >= 1e-9:
+            same = counted(sum(shell.made_equal for shell in equal), "face")
+            lines.append(f"axes and sizes of {same} made equal to others, by at most {change:.1g} mm")
         if deviation.max > self.tolerance:
             place = ", ".join(f"{x:.4g}" for x in deviation.worst_place)
             lines.append(f"the tolerance is missed, most at ({place}) mm")
@@ -250,10 +250,12 @@ class Reconstruction(Value):
 
     def _beside_mesh(self):
         mesh, deviation, points = self.mesh, self.deviation, self.control_point_count
-        angle = "below 1e-9" if self.seam_angle < 1e-9 else f"{self.seam_angle:.2g}"
+        # What rounding leaves differs between processors
+        values = (deviation.max, deviation.mean, self.seam_angle)
+        largest, mean, angle = ("below 1e-9" if value < 1e-9 else f"{value:.2g}" for value in values)
         return (
             f"control points {points} ({points / len(mesh.faces):.2f} per triangle)",
-            f"deviation: largest {deviation.max:.2g} mm, mean {deviation.mean:.2g} mm, "
+            f"deviation: largest {largest} mm, mean {mean} mm, "
             f"{100 * deviation.fraction_within(self.tolerance):.2f} % within {self.tolerance:g} mm",
             f"largest angle across edges that are not sharp in the mesh {angle} degrees",
             f"volume {self.volume / self.mended_volume:.5f} and area {self.area / mesh.area:.3f} of the mesh",

@@ -204,6 +204,14 @@ def test_patches_only_if_asked_for_and_where_the_shape_is_free():
         nl.reconstruct(rod_, tolerance=0.1, faces="some")
 
 
+def test_a_report_names_no_value_that_only_rounding_makes():
+    turned = trimesh.creation.box((40, 30, 20))
+    turned.apply_transform(trimesh.transformations.rotation_matrix(0.6, (1, 2, 3)))
+    told = nl.reconstruct(turned, tolerance=0.1).report()
+    assert "largest below 1e-9 mm, mean below 1e-9 mm" in told
+    assert "made equal" not in told
+
+
 def test_capped_sections_are_a_closed_solid(tmp_path):
     angle = np.linspace(0.0, 2.0 * np.pi, 65)
     rings = [np.column_stack([r * np.cos(angle), r * np.sin(angle), 0 * angle + 3 * r]) for r in (2.0, 4.0)]
