@@ -3,8 +3,9 @@
 import numpy as np
 
 from nurbs_lab.common.kernels import compiled
+from nurbs_lab.mesh.solid.net import DEGREE
 
-N = 6  # control points along a side
+N = DEGREE + 1  # control points along a side
 ROUNDS = 6  # of Gauss-Newton
 LONGEST = 0.3  # step of it in u or v
 

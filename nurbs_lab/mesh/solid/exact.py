@@ -33,8 +33,8 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Edge, TopoDS_Face, TopoDS_Shell, TopoDS_Vertex
 from OCP.TopTools import TopTools_HSequenceOfShape
 
-_LEAST = 1e-7  # units: tolerance of vertices, edges and faces
-_FINE = 1e-7  # of the size: how far a curve may be from its surfaces, where that can be reached
+#: Units, the tolerance of vertices, edges and faces; of the size, how far a curve may be from its surfaces.
+_FINE = 1e-7
 _PLACES = 8, 400  # on a curve: at first, and at most
 
 
@@ -60,12 +60,12 @@ def shell_of(points, triangles, label, found, scale):
     for v, regions in around.items():
         places[v] = onto([surfaces[k] for k in sorted(regions)], points[[v]])[0]
         vertices[v] = TopoDS_Vertex()
-        builder.MakeVertex(vertices[v], _point(places[v] * scale[0] + scale[1]), 2.0 * _LEAST)
+        builder.MakeVertex(vertices[v], _point(places[v] * scale[0] + scale[1]), 2.0 * _FINE)
     for chain in chains:
         line, (first, last) = points[chain.vertices], chain.ends
         line[0], line[-1] = places[first], places[last]
         geometry, reach, off = _curve_along([surfaces[k] for k in chain.regions], line, first == last, scale)
-        edge, tolerance = TopoDS_Edge(), max(_LEAST, 1.1 * off)
+        edge, tolerance = TopoDS_Edge(), max(_FINE, 1.1 * off)
         builder.MakeEdge(edge, geometry, TopLoc_Location(), tolerance)
         for v, side in ((first, TopAbs_FORWARD), (last, TopAbs_REVERSED)):
             builder.Add(edge, vertices[v].Oriented(side))
@@ -88,12 +88,12 @@ def shell_of(points, triangles, label, found, scale):
 def _face(builder, geometry, edges):
     """The face on a whole surface that edges bound, which lies on the left of each."""
     if not edges:
-        return BRepBuilderAPI_MakeFace(geometry, _LEAST).Face()
+        return BRepBuilderAPI_MakeFace(geometry, _FINE).Face()
     face, given, wires = TopoDS_Face(), TopTools_HSequenceOfShape(), TopTools_HSequenceOfShape()
-    builder.MakeFace(face, geometry, _LEAST)
+    builder.MakeFace(face, geometry, _FINE)
     for edge in edges:
         given.Append(edge)
-    ShapeAnalysis_FreeBounds.ConnectEdgesToWires_s(given, _LEAST, True, wires)
+    ShapeAnalysis_FreeBounds.ConnectEdgesToWires_s(given, _FINE, True, wires)
     for wire in wires:
         builder.Add(face, wire)
     return face

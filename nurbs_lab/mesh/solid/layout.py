@@ -122,15 +122,8 @@ def _curves(mesh, triangles, opposite, sharp, begin):
     halves = np.flatnonzero(mesh.sharp)
     sums = np.bincount(tails[halves], halves, len(mesh.vertices)).astype(int)  # of the two leaving a vertex
     first = np.flatnonzero(sharp & (np.arange(len(sharp)) < opposite))
-    ends, straight = tails_and_heads(triangles)[1][first], begin[first]
-    single = heads[straight] == ends
-    a, b = (mesh.vertices[which[straight[single]]][:, None] for which in (tails, heads))
-    size = np.linalg.norm(b - a, axis=2, keepdims=True)
-    t = np.arange(curves.shape[1])[:, None] * (size / (curves.shape[1] - 1))
-    curves[first[single]] = (b - a) / np.maximum(size, 1e-300) * t + a
-    curves[first[single], -1] = b[:, 0]
-    for h, end in zip(first[~single].tolist(), ends[~single].tolist(), strict=True):
-        half = begin[h]
+    ends = tails_and_heads(triangles)[1][first]
+    for h, half, end in zip(first.tolist(), begin[first].tolist(), ends.tolist(), strict=True):
         along = [tails[half], heads[half]]
         while along[-1] != end:
             half = sums[along[-1]] - mesh.opposite[half]

@@ -5,7 +5,7 @@ import io
 import numpy as np
 import trimesh
 
-from nurbs_lab.mesh.solid.faces import KINDS, Face
+from nurbs_lab.mesh.solid.faces import ALONG, KINDS, Face
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 
 try:
@@ -44,7 +44,6 @@ FAILURES = tuple(
     for one in vars(module).values()
     if isinstance(one, type) and issubclass(one, Exception)
 )
-_ALONG = 17  # places on an edge where angles are measured
 
 
 def curve_of(curve: NurbsCurve):
@@ -210,7 +209,7 @@ def area(shape):
 
 def angles_of(shape):
     """Largest angle between the outward normals of both faces along every edge, degrees; no seams."""
-    sides, t, out = TopTools_IndexedDataMapOfShapeListOfShape(), np.linspace(0.0, 1.0, _ALONG), []
+    sides, t, out = TopTools_IndexedDataMapOfShapeListOfShape(), np.linspace(0.0, 1.0, ALONG), []
     TopExp.MapShapesAndAncestors_s(shape, TopAbs_EDGE, TopAbs_FACE, sides)
     for k in range(1, sides.Extent() + 1):
         edge, faces = TopoDS.Edge_s(sides.FindKey(k)), [TopoDS.Face_s(f) for f in sides.FindFromIndex(k)]

@@ -14,7 +14,7 @@ from nurbs_lab.mesh.core import MeshGraph, mesh_graph
 from nurbs_lab.mesh.distance import Deviation, Spread, crossing_triangles
 from nurbs_lab.mesh.read import without_cache
 from nurbs_lab.mesh.repair import closed_surfaces
-from nurbs_lab.mesh.solid.faces import Face, kinds_of_faces, patch
+from nurbs_lab.mesh.solid.faces import ALONG, Face, kinds_of_faces, patch
 from nurbs_lab.mesh.solid.net import side_places
 from nurbs_lab.mesh.solid.patches import Patches
 from nurbs_lab.mesh.solid.refine import Fitted, build
@@ -22,7 +22,6 @@ from nurbs_lab.mesh.solid.shell_triangles import shell_triangles
 from nurbs_lab.mesh.solid.trimmed import Measured, TrimmedShell, exact_shell
 from nurbs_lab.nurbs import NurbsSurface
 
-_PLACES = 65  # along an edge, where angles are measured
 _INSIDE = 1e-9  # parameters at the ends of an edge, where two sides of a face may be in line
 
 
@@ -83,12 +82,12 @@ class Shell(Value):
 
         The surfaces themselves are evaluated, at both ends of the edge too.
         """
-        t = np.linspace(0.0, 1.0, _PLACES).clip(_INSIDE, 1.0 - _INSIDE)
+        t = np.linspace(0.0, 1.0, ALONG).clip(_INSIDE, 1.0 - _INSIDE)
         u, v = side_places(np.arange(4), t).T
         slopes = [
             [surface.derivative(u, v, order) for order in ((1, 0), (0, 1))] for surface in self.surfaces
         ]
-        normals = np.cross(*np.swapaxes(slopes, 0, 1)).reshape(-1, _PLACES, 3)
+        normals = np.cross(*np.swapaxes(slopes, 0, 1)).reshape(-1, ALONG, 3)
         sides = self.patches.layout.sides
         here, there = normals[sides[:, 0]], normals[sides[:, 1], ::-1]
         sine = np.linalg.norm(np.cross(here, there), axis=-1)
@@ -280,6 +279,7 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
         on these, which needs the extra ``cad``; else all faces are fitted.
     max_faces : int, optional
         Of each shell. The best that was found within it is returned, whether or not it keeps the tolerance.
+        By default 3,000 fitted faces, or as many as there are triangles: a solid with more is of no use.
     executor : concurrent.futures.Executor, optional
         Workers for a list; this process by default. The results are equal bit for bit.
 
@@ -318,7 +318,8 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
     if not 0.0 < sharp_angle < 180.0:
         raise ValueError(f"sharp_angle is {sharp_angle}; give degrees between 0 and 180")
     as_choice("faces", faces, ("auto", "patches"))
-    most = np.inf if max_faces is None else as_count("max_faces", max_faces, most=np.inf)
+    if max_faces is not None:
+        max_faces = as_count("max_faces", max_faces, most=np.inf)
     graph = mesh_graph(mesh)
     if tolerance > (size := extent(graph.vertices)):
         raise ValueError(f"tolerance = {tolerance:g} mm is larger than the mesh, {size:.3g} mm: check units")
@@ -326,8 +327,8 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
 
     def best(part):
         exact = exact_shell(part, tolerance, sharp_angle) if faces == "auto" else None
-        few = exact and len(exact.shell.faces) <= most
-        return exact if few else build(part, tolerance, sharp_angle, most)
+        few = exact and (max_faces is None or len(exact.shell.faces) <= max_faces)
+        return exact if few else build(part, tolerance, sharp_angle, max_faces)
 
     fits = over_slices(best, parts, "shells")
     shells = tuple(

@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 from itertools import count
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from nurbs_lab.mesh.core import face_normals, vertex_normals
 from nurbs_lab.mesh.distance import triangle_samples
@@ -17,7 +16,7 @@ from nurbs_lab.mesh.solid.shell_triangles import crossed
 
 IN_VAIN = 4  # attempts in a row that are not better than the best one, after which it is taken
 SAFETY = 0.98  # of the tolerance is aimed at
-MOST_FACES = 3000  # of all attempts together, after the first one
+MOST_FACES = 3000  # of a shell, if it has no more triangles; and of all attempts after the first, together
 RAISE = 1.5  # times its ratio to the aim: the factor of the weight of a face that misses
 COST = 0.03  # largest quadric error of the first layout at a tolerance of 1 / 200 of the size, as a length
 _SLIVER = 0.5  # of the tolerance: sharp edges nearer than that to one another become one
@@ -41,7 +40,6 @@ class Fitted:
     bad: np.ndarray  # of every face, the largest distance
     faulty: np.ndarray  # faces that fold, or pass through others
     face_of_vertex: np.ndarray  # the face nearest to every vertex of the mesh that is divided
-    vertex_of_face: np.ndarray  # the vertex nearest to the middle of every face, which may have no other
 
     @property
     def worst(self):
@@ -49,8 +47,10 @@ class Fitted:
         return max(self.to_surface.max(), self.to_mesh.max())
 
 
-def build(part, tolerance, sharp_angle, most_faces) -> Fitted:
+def build(part, tolerance, sharp_angle, most_faces=None) -> Fitted:
     """Fit a shell to a closed surface; the best of the attempts if none keeps the tolerance.
+
+    By default it has at most `MOST_FACES`, or as many faces as the surface has triangles.
 
     Raises
     ------
@@ -68,6 +68,7 @@ def build(part, tolerance, sharp_angle, most_faces) -> Fitted:
     coarse = bool(np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within)
     mesh = surfels(fine, parts, sharp_angle, _BESIDE * within, rough=not coarse)
     samples = np.concatenate([vertices, triangle_samples(vertices, triangles, 0.02)])
+    most_faces = most_faces or max(MOST_FACES, len(triangles))
     best = _refined(mesh, target, samples, within, most_faces, part.meets)
     for_size = {name: getattr(best, name) * size + centre for name in ("mesh_points", "surface_points")}
     for_size |= {name: getattr(best, name) * size for name in ("to_surface", "to_mesh", "bad")}
@@ -83,9 +84,10 @@ def _refined(mesh, target, samples, within, most_faces, meets):
         layout, chart, cost = _small_layout(mesh, weight, cost, most_faces)
         faces += len(layout.corners)
         if not attempt and len(layout.corners) > most_faces:
-            least = len(layout.corners)
             raise ValueError(
-                f"max_faces {most_faces} is too small: the coarsest shell that was found has {least}"
+                f"max_faces {most_faces} is too small: the coarsest shell that was found has "
+                f"{len(layout.corners)}, and {layout.sharp.mean():.0%} of its edges are sharp; give a larger "
+                "sharp_angle or tolerance"
             )
         if attempt and (faces > MOST_FACES or len(layout.corners) > most_faces):
             break
@@ -103,19 +105,18 @@ def _refined(mesh, target, samples, within, most_faces, meets):
             break
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.faulty, 4.0, 0.0))
         raised = np.where(ratio > 1.0, RAISE * ratio, 1.0)
-        raised_there = raised[fitted.face_of_vertex]
-        np.maximum.at(raised_there, fitted.vertex_of_face, raised)
-        weight = weight * raised_there
+        weight = weight * raised[fitted.face_of_vertex]
     return best
 
 
 def _small_layout(mesh, weight, cost, most_faces):
-    """The first of coarser and coarser layouts with few enough faces, else the coarsest; its cost."""
-    for factor in 2.0 ** np.arange(16):
-        layout, chart = lay_out(mesh, weight, factor * cost)
-        if len(layout.corners) <= most_faces:
-            break
-    return layout, chart, factor * cost
+    """The first of coarser and coarser layouts with few enough faces, or that has no fewer; its cost."""
+    faces = np.inf
+    while True:
+        layout, chart = lay_out(mesh, weight, cost)
+        if len(layout.corners) <= most_faces or len(layout.corners) >= faces:
+            return layout, chart, cost
+        faces, cost = len(layout.corners), 2.0 * cost
 
 
 def _score(fitted, within):
@@ -134,10 +135,8 @@ def measure(patches: Patches, target, inside, samples) -> Fitted:
     face, uv = places(values, samples)
     gaps, bad = patches.nearest(samples, face, uv), back.reshape(len(values), -1).max(axis=1)
     np.maximum.at(bad, face, gaps)
-    face_of_vertex = places(values, inside)[0]
-    vertex_of_face = cKDTree(inside).query(values[:, 5, 5])[1]
     points, folds = values.reshape(-1, 3), patches.flipped()
-    return Fitted(patches, samples, gaps, points, back, bad, folds, face_of_vertex, vertex_of_face)
+    return Fitted(patches, samples, gaps, points, back, bad, folds, places(values, inside)[0])
 
 
 def _closely(fitted, target):

@@ -16,8 +16,8 @@ from scipy.special import binom
 from nurbs_lab.mesh.core import components
 from nurbs_lab.mesh.solid.net import DEGREE, turned
 
-_STRAIGHT = 20.0  # degrees from 180, within which two sharp edges at a corner run straight on
-_LEAST_ANGLE = 20.0  # degrees of a sector between sharp edges
+#: Degrees: sharp edges at a corner run straight on within so many of 180; no sector is nearer to 0 or 360.
+_STRAIGHT = 20.0
 
 
 def smooth_conditions(layout, net, angles) -> csr_matrix:
@@ -62,7 +62,7 @@ def _angles_of_sectors(layout, angles):
     size, vertex = np.bincount(sector), np.empty(sector.max() + 1, dtype=np.int64)
     vertex[sector] = corners
     sharp = np.bincount(corners[sharp], minlength=len(layout.fixed))[vertex]
-    angle = np.clip(np.bincount(sector, angles), _LEAST_ANGLE, 360.0 - _LEAST_ANGLE)
+    angle = np.clip(np.bincount(sector, angles), _STRAIGHT, 360.0 - _STRAIGHT)
     off = np.abs(angle - 180.0)
     nearest, farthest = np.full(len(layout.fixed), np.inf), np.zeros(len(layout.fixed))
     np.minimum.at(nearest, vertex, off)

@@ -283,6 +283,8 @@ def test_a_small_limit_gives_a_coarser_solid_that_says_so_or_a_refusal():
     assert max(gap, rest) == pytest.approx(made.deviation.max, rel=0.02)
     with pytest.raises(ValueError, match="max_faces 5 is too small"):
         reconstruct(ring, tolerance=0.1, max_faces=5, faces="patches")
+    with pytest.raises(ValueError, match="3840, and 50% of its edges are sharp"):  # of all triangles
+        reconstruct(trimesh.creation.icosphere(3), tolerance=0.01, sharp_angle=1.0, faces="patches")
 
 
 def test_arguments():
