@@ -10,44 +10,36 @@ block of 20 mm (scallop 0.05) those with two, of a pocket of 10 x 12 mm (cutter 
 =======================================  =======  =============  =============
 constant (module)                        value    half           twice
 =======================================  =======  =============  =============
-CUSP (finish), of the scallop            0.65     +19, -6 *      at 0.95 -10, -10 *; 1.58 scallops are left
-SAMPLES (finish), of the step-over       0.25     +12, +11 *     -6, -25 *; 1.51 scallops are left
-SUSPECT (finish), of the scallop         0.75     0, +2 *        at 1 -4, -10 *; 1.42 left, at twice 1.51
-FINER (finish)                           4        -3, -7 *       0, 0 *
+CUSP (finish), of the scallop            0.65     +35, +39 *     at 0.95 -6, +3 *; 1.03 scallops are left
+SAMPLES (finish), of the step-over       0.125    +1, +16 *      +2, +7 *; 1.38 scallops are left
+FINEST_SAMPLES (finish), diameters       1/128    0, 0 *         0, 0 *; 1.007 left of a scallop of 0.03
 FIT (fit), of the tolerance              0.4      0, 0           at 0.48 +5, +8
-FAR (fit), of the tolerance              0.92     at 0.85 0, +4  at 0.98 0, +1
 SHORTEST (fit), tolerances               0.1      0, 0           -1, +1
-LOSS (fit), of the tolerance             0.08     0, 0           with FAR 0.84 +17, +100
+LOSS (fit), of the tolerance             0.08     +1, -2 *       +35, +128 *
 SPLIT (passes), degrees                  45       30: +1, +42    60: +11, -41
 CLIFF (passes), degrees                  75       60: -6, +3     85: +14, -30
-FIRST_LEVEL (passes), tolerances         0.45     0, +1          0, -13
-GAP (passes), diameters                  1        0, +1; at 0 up to +10 moves elsewhere
+RISE (passes), tolerances                0.45     +1, -5 *       0, +1 *
+GAP (passes), diameters                  1        -2, +11 *      +7, -4 *
 GRID (passes), nodes a diameter          24       0, -39         0, 0
 WIDTH (passes), step-overs               0.5      -12, -40       +3, -38
-APART (passes), step-overs               0.5      -1, +3 *       +1, +2 *
-JOIN (passes), step-overs                2        +1, +8 *       +1, 0 *
-SAME (passes), tolerances                0.1      0, 0           +4, +2; at 0 +6, -6 *
-NEAR (passes), of the step-over          0.25     0, 0           0, 0; without it bites of 19 mm, not 9 *
+JOIN (passes), step-overs                2        +3, +9 *       +8, +3 *
+NEAR (passes), of the step-over          0.25     0, +2 *        +1, -2 *; without it bites of 19 mm, not 9 *
 LEVEL_STEP (passes), of the flat disc    1.2      +68, +57       +488, +474; of a block by a flat cutter
-NEAR (link), diameters                   2        0, +2 *        0, -1 *; at half 12 % more retracts
-DROP (link), diameters                   0.1      0, 0 *         -1, -4 *
-UP (link), diameters                     0.2      -4, 0 **       +8, 0
+NEAR (link), diameters                   2        -2, +9 *       0, 0 *; also of the legs of ramps
+UP (link), diameters                     0.1      0, +1 *        0, -1 *; the links up and down are longer
 ASIDE (link), diameters                  0.6 to 2 +6, +38 *      +2, 0 *; without +52, +97 *
 TURNS (link), directions                 12       +3, +2 **     0, 0 **; four of them +7, +57 of a slot
-LOW (link), diameters                    5        0, 0; at 0 three times the rapid length
 SAFE (link), diameters                   1        0, 0 **        0, 0; the rapid length -2, +4
 PLUNGE (link), of the feed               1/3      0, 0 **        0, 0; the time +22, -11
 DOWN (order)                             4        +5, +2         -1, +4; at 1 +12, +35
 CLOSE (link), diameters                  0.005    0, 0           0.05 gouged by 0.03 mm
-RAMP (link), diameters                   3        -1, +2         +1, 0
 RAMP_SLOPE (link)                        tan 5°   0, 0 **        0, 0; legs of ramps are more, or fewer
 MOST_LEGS (link), legs                   80       -5, -23        0, +2; half of it has steeper ramps
 CLOSEST (waterlines), of a step          0.5      -1, -1         +2, +4
 STUB (waterlines), of CLOSEST            0.1      0, 0           0, +1 *; at 0 0, -1 *
-VALLEY (surface), steps of the grid       1        +11, +10 *     +5, +14 *
-HIDDEN (passes), of the part's slope     0.5      -1, -14        0, +11; at half 68 x the moves for a low step
+VALLEY (surface), steps of the grid      1        +11, +10 *     +5, +14 *
 CELLS (stock), LOSS (stock), of a cell   24, 0.05 0, 0           0, 0; the memory and time
-LEAF (box_tree), items             4        at 8 and 16 0, 0; the time of verify 0.98 x, 0.94 x *
+LEAF (box_tree), items                   4        of verify, the time is 0.98 x at 8, 0.94 x at 16 *
 FLAT_STEP (rough), diameters             0.4      +83, +40       -29, -29; BALL_STEP, 0.25, is that of balls
 TILT (rough), degrees                    1        0, 0           0, 0; at 5 for a ball 14 levels, not 11 **
 GRID (rough), nodes a diameter           12       -5, -23        +1, +3
@@ -58,12 +50,12 @@ FINEST (rough), diameters                0.25     0, 0 ***; of skins of 0.3 mm t
 SLACK (rough), of the step down          0.05     -8, -6 *       +33, +6 ***; of the plate 0, 0
 =======================================  =======  =============  =============
 
-Limits of work and of memory; the first two change nothing at half and at twice, at the others an error is
-raised, cells become larger, or a search ends: RAISES 289 points of a link; FINEST_SAMPLES (finish) 1/64 of a
-diameter; ROUNDS (fit) 5; TOGETHER 16 paths (fit), 65,536 samples (surface); HALVINGS 30 and _ROUNDS 60, where
-bisection and Newton's method are at rounding; MOST_NODES 5e7 and MOST_OF_TIPS 5e6 (field), of 8 and 500
-bytes; MOST_LEVELS (rough) 2,000; MOST_CELLS (stock) 4e6; MOST_SAMPLES 1e7 (surface) and, by default, 2.5e6
-(verify); WARN_CELLS 16 a diameter and WARN_MOST 1e6 (simulate), as coarse as contacts still show.
+Limits of work and of memory; the first changes nothing at half and at twice, at the others an error is
+raised, cells become larger, or a search ends: RAISES 289 points of a link; ROUNDS (fit) 5; TOGETHER 16 paths
+(fit), 65,536 samples (surface); HALVINGS 30 and _ROUNDS 60, where bisection and Newton's method are at
+rounding; MOST_NODES 5e7 and MOST_OF_TIPS 5e6 (field), of 8 and 500 bytes; MOST_LEVELS (rough) 2,000;
+MOST_CELLS (stock) 4e6; MOST_SAMPLES 1e7 (surface) and, by default, 2.5e6 (verify); WARN_CELLS 16 a diameter
+(simulate), as coarse as contacts still show.
 
 Of rounding are ROUNDING 1e-12 of coordinates, ABOVE (rough) 1e-6 diameters, UPRIGHT 1e-9 and UNDERCUT 1e-6 of
 a unit normal, LEVEL (passes) 1e-7, BESIDE (surface) 1e-6 mm, FINEST (finish) 1e-6 of the part, INSIDE (stock)

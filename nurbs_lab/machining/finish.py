@@ -20,10 +20,8 @@ from nurbs_lab.mesh.read import without_cache
 
 CUSP = 0.65  # fraction of the scallop: height of cusps on a plane between the first passes
 FINEST = 1e-6  # fraction of the part's size: smallest tolerance
-SAMPLES = 0.25  # fraction of the step-over: spacing of the samples on which the remainder is measured
-FINEST_SAMPLES = 1 / 64  # fraction of the diameter: their least spacing
-SUSPECT = 0.75  # fraction of the scallop: near samples with more, finer ones are looked at
-FINER = 4.0  # their spacing is so many times smaller
+SAMPLES = 0.125  # fraction of the step-over: spacing of the samples on which the remainder is measured
+FINEST_SAMPLES = 1 / 128  # fraction of the diameter: their least spacing
 
 
 @one_or_many(send=without_cache)
@@ -125,9 +123,8 @@ def finish(
 def covering(fitting, plan, scallop, after):
     """Paths that leave no more than the scallop where the cutter reaches the part and ``after`` left more.
 
-    What is left is measured on samples of the part, beyond what the cutter must leave there. After the first
-    passes it is measured also on finer ones near those with much: a cusp is sharp, and its top can lie
-    between samples. A warning says where more is left.
+    What is left is measured on samples of the part, beyond what the cutter must leave there. A warning says
+    where more is left.
     """
     part, cutter = fitting.part, fitting.cutter
     spacing = max(SAMPLES * plan.step, FINEST_SAMPLES * cutter.diameter)
@@ -141,12 +138,7 @@ def covering(fitting, plan, scallop, after):
     done = [] if after is None else [(one.cutter, program_tips(one)) for one in after.chain]
     poor = left_by(done, points, gaps, scallop) > scallop
     paths = fit_paths(fitting, plan.paths(tips[poor]))
-    done.append((cutter, locations(paths)))
-    near = points[left_by(done, points, gaps, scallop) > SUSPECT * scallop]
-    finer = sample_surface(part, spacing / FINER, near, spacing)
-    finer, _, tips, gaps = closest(fitting, finer, field.floor, places)
-    points, left = finer.points, left_by(done, finer.points, gaps, scallop)
-    before = np.inf
+    left, before = left_by([*done, (cutter, locations(paths))], points, gaps, scallop), np.inf
     while 0 < (poor := left > scallop).sum() < before:
         points, tips, gaps, left = points[poor], tips[poor], gaps[poor], left[poor]
         more, before = fit_paths(fitting, plan.paths_through(tips, left)), len(left)

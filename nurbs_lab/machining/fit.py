@@ -15,7 +15,6 @@ from nurbs_lab.nurbs.along import lengths_along, spline_along, spline_changed
 
 ROUNDS = 5  # of insertion; each quarters the steps that fail their check
 LOSS = 0.08  # fraction of the tolerance: possible loss of clearance between checked points
-FAR = 0.92  # fraction of the tolerance: largest distance of the spline from contact with the part
 SHORTEST = 0.1  # tolerances: smallest distance of inserted cutter locations
 FIT = 0.4  # fraction of the tolerance: largest distance of the spline from the locations
 TOGETHER = 16  # paths in one item of work for a thread
@@ -124,7 +123,7 @@ class Fitting:
             tips.append(path.curve(begin[step] + part * sizes[step]))
             counts.append(several)
         starts = np.cumsum(np.concatenate([[0], *counts]))
-        farther = self.touch(FAR) if self.leave is None else None
+        farther = self.touch(1.0 - LOSS) if self.leave is None else None
         bad = self.touch(LOSS).strays(np.concatenate(tips), starts, farther)
         out, ends = [np.zeros(len(some), bool) for some in steps], np.cumsum([*map(len, counts)])[:-1]
         for one, some, found in zip(out, steps, np.split(bad, ends), strict=True):

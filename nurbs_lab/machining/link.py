@@ -17,16 +17,13 @@ from nurbs_lab.motion import Limits
 from nurbs_lab.nurbs.curve import trusted_curve
 
 # Lengths of this module are in diameters of the cutter.
-NEAR = 2.0  # gap up to which the tool stays down between two passes
-DROP = 0.1  # by which the tool may go down in material at the feed of cuts, without a ramp
-UP = 0.2  # height to which the tool leaves the part, and of a rapid move above the material and the part
-LOW = 5.0  # longer rapid moves travel at the safe height
-SAFE = 1.0  # height of that above the part and the stock
+NEAR = 2.0  # gap up to which the tool stays down between two passes, and longest leg of a ramp
+UP = 0.1  # height to which the tool leaves the part, of rapid moves above all, and of cuts without a ramp
+SAFE = 1.0  # height above the part and the stock, at first and at last
 ASIDE = (0.6, 1.2, 2.0)  # lengths of a level way into material from beside it
 TURNS = np.radians([0, 30, -30, 60, -60, 90, -90, 120, -120, 150, -150, 180])  # and directions
 CLOSE = 0.005  # between places at which that is checked
 PLUNGE = 1.0 / 3.0  # fraction of the feed: that of ways down into material
-RAMP = 3.0  # longest leg of a ramp, which goes back and forth above the beginning of its pass
 RAMP_SLOPE = math.tan(math.radians(5.0))  # of a ramp, at most
 MOST_LEGS = 80  # of a ramp; a pass too short for its angle has a steeper one
 RAISES = 289  # points of a link, denser at its ends, at which it is raised over the part
@@ -101,7 +98,7 @@ class Ways:
                 made = self._entry(curve, up)
                 moves += self._rapids(last, made[0].curve.control_points[0])
             made.append(Move("cut", curve, self.feed))
-            if made[0].kind == "plunge" and link and self._deep(link.curve, rim) <= DROP * self.size:
+            if made[0].kind == "plunge" and link and self._deep(link.curve, rim) <= up[2]:
                 made[0] = Move("cut", link.curve, self.feed)
             for move in made:
                 if move.kind != "link":
@@ -133,7 +130,7 @@ class Ways:
         lift[lift > 0.0] += self.bare.allowance
         rows[..., 2] += lift[..., None] * _RAISED
         sinks = np.maximum(-np.diff(rows[..., 2] @ _BASIS.T), 0.0).sum(axis=-1)
-        gentle = DROP * self.size
+        gentle = UP * self.size
         good = sinks <= max(gentle, self.material.cutter.corner_radius)
         for i in np.flatnonzero(good.any(axis=1)):
             k = good[i].argmax()
@@ -145,7 +142,7 @@ class Ways:
         """Moves to the beginning of a pass: straight down, from beside it or on a ramp, by the material."""
         begin = curve.control_points[0]
         deep = self.material.rest(begin[None, :2])[0] - begin[2]
-        if deep > DROP * self.size:
+        if deep > up[2]:
             return self._aside(curve, up) or self._ramp(curve, up)
         kind, feed = ("link", self.feed) if deep <= 0.0 else ("plunge", PLUNGE * self.feed)
         return [Move(kind, _spline((begin + up, begin)), feed)]
@@ -168,9 +165,9 @@ class Ways:
     def _ramp(self, curve, up):
         """Way down to the beginning of a pass, back and forth above it, no steeper than the ramp's slope."""
         size, (u0, u1) = self.size, curve.domain
-        length = min(RAMP * size, 0.9 * (u1 - u0))  # the parameter is nearly the length
+        length = min(NEAR * size, 0.9 * (u1 - u0))  # the parameter is nearly the length
         leg = curve.split(u0 + length)[0]
-        height = max(self._deep(leg), 0.0) + 0.5 * DROP * size
+        height = max(self._deep(leg), 0.0) + 0.5 * up[2]
         count = min(2 * math.ceil(height / (2.0 * length * RAMP_SLOPE)), MOST_LEGS)
         along = np.array([leg.knots[i : i + 3].mean() for i in range(1, len(leg.control_points) + 1)])
         along, curves = (along - leg.domain[0]) / (leg.domain[1] - leg.domain[0]), []
@@ -188,12 +185,10 @@ class Ways:
         top = self.safe_height
         if last is None:
             return self._legs(((*begin[:2], top), begin))
-        size = math.dist(last[:2], begin[:2])
-        if size < LOW * self.size:
-            count = int(2.0 * size / self.material.field.step) + 2
-            xy = last[:2] + np.linspace(0.0, 1.0, count)[:, None] * (begin - last)[:2]
-            under = max(self.bare.heights(xy).max(), self.material.rest(xy).max()) + UP * self.size
-            top = min(max(under, last[2], begin[2]), top)
+        count = int(2.0 * math.dist(last[:2], begin[:2]) / self.material.field.step) + 2
+        xy = last[:2] + np.linspace(0.0, 1.0, count)[:, None] * (begin - last)[:2]
+        under = max(self.bare.heights(xy).max(), self.material.rest(xy).max()) + UP * self.size
+        top = max(under, last[2], begin[2])
         return self._legs((last, (*last[:2], top), (*begin[:2], top), begin))
 
     def _legs(self, way):

@@ -16,17 +16,14 @@ from nurbs_lab.machining.waterlines import runs, waterlines
 
 SPLIT = np.radians(45.0)  # slope between raster (below) and waterlines (above)
 CLIFF = np.radians(75.0)  # the raster leaves out steeper slopes
-FIRST_LEVEL = 0.45  # tolerances: rise of waterlines from contact with the level face along which they go
+RISE = 0.45  # tolerances: of waterlines from contact with level faces, and from lower ones left out for them
 GAP = 1.0  # diameters: shorter gaps in a waterline are cut too, so that the tool stays down
 LEVEL = 1e-7  # relative: a face whose heights, or whose normal's height from 1, differ by less is level
 LEVEL_STEP = 1.2  # radii of the flat disc: distance of passes over level faces
 GRID = 24  # nodes of the grid along a diameter, at most
 WIDTH = 0.5  # step-overs: distance of its nodes
-HIDDEN = 0.5  # of the part's slope: where the grid shows less, it hides a step lower than its cells are wide
 NEAR = 0.25  # step-overs: a waterline farther from the part is dropped, a tip farther from it is not at rest
-APART = 0.5  # step-overs: least distance of the tips through which further passes go
 JOIN = 2.0  # step-overs: farther apart, two of them are on two passes
-SAME = 0.1  # tolerances: a waterline this close above a lower one, as on an upright wall, is left out
 
 
 def step_over(cutter, scallop):
@@ -66,11 +63,6 @@ class Layout:
     slope: np.ndarray
     step: float
 
-    @property
-    def level_step(self):
-        """Distance of passes over level faces: the flat disc of the cutter covers what is between them."""
-        return max(self.step, LEVEL_STEP * self.cutter.flat_radius)
-
     def with_steps(self, tips, normals):
         """This layout with the slope of the part at its ``tips (n, 3)`` where the grid hides it.
 
@@ -80,18 +72,19 @@ class Layout:
         steep = np.full(self.slope.shape, np.inf)
         np.minimum.at(steep, self.field.index(tips[:, :2]), np.arccos(normals[:, 2].clip(0.0, 1.0)))
         steep = np.where(np.isinf(steep), minimum_filter(steep, 3), steep)
-        low = np.isfinite(steep) & (steep > SPLIT) & (self.slope > LEVEL) & (self.slope < HIDDEN * steep)
-        return replace(self, slope=np.where(low, steep, self.slope))
+        steep[np.isinf(steep) | (steep <= SPLIT) | (self.slope <= LEVEL)] = 0.0
+        return replace(self, slope=np.maximum(self.slope, steep))
 
     def paths(self, tips):
         """The first passes near the tips ``(n, 3)``, enough on surfaces of small curvature."""
         slope, wanted = self.slope, self._near(tips)
         paths = self._waterlines(wanted & (slope > SPLIT), self._levels(), first=True)
-        level = (slope <= LEVEL) & (self.level_step > self.step)
-        size = max(2, int(np.ceil(self.cutter.flat_radius / self.field.step)))
-        gentle, spacing = (slope <= SPLIT) & ~level, self.step * np.cos(SPLIT)
-        for some, apart, by in ((level, self.level_step, size), (gentle, spacing, 2)):
-            paths += self._raster(binary_dilation(some & wanted, np.ones((3, 3)), iterations=by), apart)
+        disc, far = self.cutter.flat_radius, LEVEL_STEP * self.cutter.flat_radius
+        level = (slope <= LEVEL) & (far > self.step)  # the disc covers what is between passes
+        gentle = (slope <= SPLIT) & ~level
+        for some, apart, wide in ((level, far, disc), (gentle, self.step * np.cos(SPLIT), 0.0)):
+            size = 1 + int(wide / self.field.step)
+            paths += self._raster(binary_dilation(some & wanted, np.ones((3, 3)), iterations=size), apart)
         return paths
 
     def _near(self, tips):
@@ -109,7 +102,7 @@ class Layout:
         for i in np.argsort(-left):
             if free[i]:
                 chosen.append(i)
-                free[near.query_ball_point(tips[i], APART * self.step)] = False
+                free[near.query_ball_point(tips[i], self.field.step)] = False
         tips, off = tips[chosen], NEAR * self.step
         rests = np.abs(self.touch.heights(tips[:, :2]) - tips[:, 2]) <= off
         paths = self._chains(tips[rests]) if rests.any() else []
@@ -128,15 +121,15 @@ class Layout:
             if len(chain) == 1:
                 chain = chain + np.array([[-1.0], [1.0]]) * along
             half = 0.5 * (chain[:-1] + chain[1:])
-            points = np.insert(chain, np.arange(1, len(chain)), half, axis=0)
-            points[:, 2] = self.touch.heights(points[:, :2])
-            paths += [Path(some, None) for some, _ in runs(points, points[:, 2] > self.field.floor, False)]
+            chain = np.insert(chain, np.arange(1, len(chain)), half, axis=0)
+            chain[:, 2] = self.touch.heights(chain[:, :2])
+            paths += [Path(some, None) for some, _ in runs(chain, chain[:, 2] > self.field.floor, False)]
         return paths
 
     @property
     def _above(self):
         """Rise of a waterline from contact with a level face."""
-        return 2.0 * FIRST_LEVEL * self.touch.allowance
+        return 2.0 * RISE * self.touch.allowance
 
     def _levels(self):
         """Heights of the first waterlines: evenly spaced, and along level faces."""
@@ -148,7 +141,7 @@ class Layout:
     def _lowest(self, points, inward, levels):
         """Whether no lower waterline comes as close to the part: on an upright wall the lowest is enough."""
         below = levels[np.maximum(np.searchsorted(levels, points[:, 2] - 1e-12) - 1, 0)]
-        aside = points[:, :2] - 2.0 * SAME * self.touch.allowance * inward
+        aside = points[:, :2] - self._above * inward
         return (self.touch.heights(aside) > below) | (below >= points[:, 2])
 
     def _waterlines(self, wanted, levels, first=False):
@@ -185,7 +178,7 @@ class Layout:
         low, high = nodes[1 - along][rows[[0, -1]]]
         origin = field.origin[1 - along]
         first, last = np.floor((low - origin) / spacing), np.ceil((high - origin) / spacing)
-        rows = origin + spacing * (np.arange(first, last + 1))
+        rows = origin + spacing * np.arange(first, last + 1)
         xy = np.empty((len(rows), len(nodes[along]), 2))
         xy[..., along], xy[..., 1 - along] = nodes[along], rows[:, None]
         keep = wanted[field.index(xy.reshape(-1, 2))].reshape(xy.shape[:2])

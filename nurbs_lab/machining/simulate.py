@@ -12,7 +12,7 @@ from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.field import TipField
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
-from nurbs_lab.machining.stock import RIM, TIP_SPACING, as_stock, bounds_of, needle, stock_field
+from nurbs_lab.machining.stock import RIM, TIP_SPACING, as_stock, bounds_of, cell_of, needle, stock_field
 from nurbs_lab.mesh.read import without_cache
 
 CONTACTS = (
@@ -20,7 +20,7 @@ CONTACTS = (
     ("the shank touches", "a longer cutter, or roughing first, avoids it"),
     ("the holder touches", "a longer cutter, or roughing first, avoids it"),
 )
-WARN_CELLS, WARN_MOST = 16, 1e6  # cells along a diameter, and in all, of the simulation that warns
+WARN_CELLS = 16  # along a diameter, of the simulation that warns
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -128,8 +128,7 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
 def coarse(program) -> Simulation:
     """The program on its stock, on a grid that is fine enough to find contacts."""
     stock = as_stock(program.stock)
-    least = np.sqrt(np.prod(np.ptp(bounds_of(stock), axis=0)[:2]) / WARN_MOST)
-    return simulate(program, stock, max(program.cutter.diameter / WARN_CELLS, float(least)))
+    return simulate(program, stock, cell_of(stock, program.cutter, WARN_CELLS))
 
 
 def warned(program) -> Program:

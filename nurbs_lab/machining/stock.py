@@ -89,7 +89,7 @@ def as_stock(stock, part=None):
 
 def require_inside(part, stock, cutter):
     """Refuse a part that is not inside its stock by `as_stock`."""
-    step, (low, high), (least, most) = _cell(stock, cutter), bounds_of(stock), part.bounds
+    step, (low, high), (least, most) = cell_of(stock, cutter), bounds_of(stock), part.bounds
     outside = max((low - least).max(), (most - high).max())
     if not isinstance(stock, np.ndarray):
         field = stock if isinstance(stock, TipField) else stock_field(stock, step)
@@ -101,7 +101,7 @@ def require_inside(part, stock, cutter):
         )
 
 
-def _cell(stock, cutter, cells=CELLS):
+def cell_of(stock, cutter, cells=CELLS):
     """Step of the grid that holds the material."""
     area = np.prod(np.ptp(bounds_of(stock), axis=0)[:2])
     return max(cutter.diameter / cells, float(np.sqrt(area / MOST_CELLS)))
@@ -114,7 +114,7 @@ def bounds_of(stock) -> np.ndarray:
 
 def material_of(stock, cutter, before=None, cells=CELLS):
     """Upper bounds of the stock for a cutter, after the moves of the program ``before``."""
-    field = stock_field(stock, _cell(stock, cutter, cells), upper=True)
+    field = stock_field(stock, cell_of(stock, cutter, cells), upper=True)
     if before is not None:
         material = Material(field, before.cutter)
         for move in before.moves:

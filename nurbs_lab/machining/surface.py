@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from nurbs_lab.common.box_tree import tree_along
 from nurbs_lab.common.checks import lengths
@@ -36,21 +35,16 @@ class Samples:
         return Samples(self.points[chosen], self.normals[chosen], self.share, self.undercut)
 
 
-def sample_surface(part, spacing, near=None, within=np.inf) -> Samples:
+def sample_surface(part, spacing) -> Samples:
     """Samples outside undercuts, each for an area of ``spacing`` squared or less.
 
     They follow one another in equal steps of the area along the triangles, which the tree of the part sorted
-    so that neighbours are close together. Inside the triangles they are points of Roberts' sequence R2. Only
-    those ``within`` a distance of points ``near (k, 3)`` are made, if any are given.
+    so that neighbours are close together. Inside the triangles they are points of Roberts' sequence R2.
     """
     outward = part.normals * np.where(part.volume < 0.0, -1.0, 1.0)
     up = outward[:, 2] >= -UNDERCUT
     areas, corners = 0.5 * lengths(part.tree.normals), part.tree.corners.reshape(-1, 3, 3)
     undercut = float(areas[~up].sum())
-    if near is not None:
-        near, middles = cKDTree(near), corners.mean(axis=1)
-        most = lengths(corners - middles[:, None]).max(axis=1) + within
-        up &= near.query(middles, distance_upper_bound=2.0 * most.max())[0] <= most
     ends = np.cumsum(areas[up])
     whole = ends[-1] if len(ends) else 0.0
     wanted = whole / max(spacing, 1e-50) ** 2
@@ -64,11 +58,7 @@ def sample_surface(part, spacing, near=None, within=np.inf) -> Samples:
         u, v = np.modf(0.5 + number * ROBERTS)[0]
         u, v = np.where(u + v > 1.0, (1.0 - u, 1.0 - v), (u, v))[..., None]
         a, b, c = corners[triangle].swapaxes(0, 1)
-        points = a + u * (b - a) + v * (c - a)
-        if near is not None:
-            keep = near.query(points, distance_upper_bound=2.0 * within)[0] <= within
-            points, triangle = points[keep], triangle[keep]
-        return points, outward[triangle]
+        return a + u * (b - a) + v * (c - a), outward[triangle]
 
     done = over_slices(block, range(0, max(count, 1), TOGETHER), "sampling")
     points, normals = (np.concatenate(some) for some in zip(*done, strict=True))
