@@ -10,7 +10,7 @@ from nurbs_lab.motion.limits import NAMES
 from nurbs_lab.motion.scan import arc_lengths, path_derivatives
 
 #: Where limits are checked in a cell between two samples of the path, as parts of it.
-_INSIDE = np.clip(np.linspace(0.0, 1.0, 9), 1e-9, 1.0 - 1e-9)
+_INSIDE = np.clip(np.linspace(0.0, 1.0, 5), 1e-9, 1.0 - 1e-9)
 #: Chords are measured one by one up to this many periods. Beyond, a chord is so short beside the curve that
 #: its error is given by the curvature, which is checked between all samples of the path.
 _MOST_CHORDS = 500_000
@@ -67,32 +67,17 @@ def _without_rounding(profile, limits):
 
 
 def _at_places(track, origin, samples, limits, profile, by_chords):
-    """Limits that depend on the curve: inside every cell of the path, and where two segments meet."""
-    breaks = track.spans[0]
-    ends = np.union1d(samples, breaks)
-    first = np.searchsorted(profile.terms[1:, 0], origin, side="right")
-    here = np.arange(first, np.searchsorted(profile.terms[1:, 0], origin + track.length))  # segments that end
+    """Limits that depend on the curve, inside every cell between samples, knots and ends of segments."""
+    breaks, met = track.spans[0], profile.terms[1:, 0] - origin
+    met = met[(met > 0.0) & (met < track.length)]
     if limits.soft and limits.axis_jerk is None:
-        here = here[::3]  # of the three phases of a cell, along which only the jerk jumps
-    met = profile.terms[1:, 0][here] - origin
-    if limits.axis_jerk is not None:  # of which a segment may take more inside than at both ends
-        ends = np.union1d(ends, track.parameters_at(met))
+        met = met[::3]  # of the three phases of a cell, along which only the jerk jumps
+    ends = np.unique(np.concatenate([samples, breaks, track.parameters_at(met)]))
     seen = track, origin, limits, profile, by_chords
     wide = np.diff(ends) > 1e-12 * (breaks[-1] - breaks[0])  # in others rounding takes one side for the other
     places, rows = _in_cells(ends[:-1][wide], ends[1:][wide], *seen)
     nearer = _doubtful(places, rows)
-    if len(nearer):
-        rows += _in_cells(*nearer.T, *seen)[1]
-    u = track.parameters_at(met)  # where two segments meet, seen from both of them
-    s, (_, h, _, _, a, j) = met + origin, profile.segments.T
-    off = np.abs(u - breaks[np.clip(np.searchsorted(breaks, u), 1, None) - np.array([[1], [0]])]).min(axis=0)
-    smooth = off > 1e-9 * (breaks[-1] - breaks[0])
-    sides = [(here + 1, a[here + 1]), (here, a[here] + j[here] * h[here])]
-    for k, acceleration in sides[: 1 if limits.soft and limits.axis_jerk is None else 2]:
-        motion = profile.terms[here + 1, 1], acceleration, j[k]
-        found = _used(track, limits, u, u, motion, by_chords)  # at a knot each side has its own acceleration
-        rows += [(name, s, s, used if name in BY_SPEED else used * smooth) for name, used in found]
-    return rows
+    return rows + _in_cells(*nearer.T, *seen)[1] if len(nearer) else rows
 
 
 def _in_cells(starts, stops, track, origin, limits, profile, by_chords):
