@@ -1,15 +1,12 @@
 """Trapezoids: the fastest speeds with limited acceleration, from one pass backwards and one forwards."""
 
-from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from nurbs_lab.motion._trapezoid_kernels import braking
 from nurbs_lab.motion.feed import from_speeds, stretch
-
-#: A motion with given end speeds lasts longer by slowing the rest of the way, by at most this factor.
-_SLOWEST = 1e3
 
 
 def fastest(path, limits, ends, caps):
@@ -51,44 +48,52 @@ class Trapezoid:
     ends: np.ndarray
 
     @cached_property
+    def _fastest(self):
+        return fastest(self.path, self.limits, self.ends, self.path.caps)
+
+    @cached_property
     def profile(self):
         """The feed profile."""
-        return self._slower(0.0, 0.0)
+        lengths, squares = self._fastest
+        return self._profile(lengths, squares, squares)
 
     def lasting(self, duration):
         """The profile of a longer motion with the same speeds at both ends, where these leave a choice.
 
-        At most 200 motions are planned to find its duration.
+        All limits are convex in v² and its slope, so that every motion between two that keep them does.
         """
         from scipy.optimize import brentq
 
-        profile, most, slower = self.profile, np.log(_SLOWEST), cache(self._slower)
+        profile = self.profile
+        if self.ends.any():
+            low = self._slow((0.1 * profile.length / duration) ** 2)
+            nodes, at = self._fastest[0], low[0]
+            beside = nodes[np.searchsorted(nodes, at).clip(1, len(nodes) - 1) - [[1], [0]]]
+            apart = np.abs(beside - at).min(axis=0) > 0.01 * np.ptp(beside, axis=0)  # in others, rounding
+            at = np.sort(np.append(nodes, at[apart]))
+            fast, slow = (np.interp(at, *one) for one in (self._fastest, low))
 
-        def excess(log_factor, power):
-            return slower(log_factor, power).duration / duration - (1.0 - 1e-12)
+            def excess(part):
+                speeds = np.sqrt(fast + part * (slow - fast))
+                return np.sum(2.0 * np.diff(at) / (speeds[1:] + speeds[:-1])) / duration - (1.0 - 1e-12)
 
-        for power in (2.0, 0.0) if self.ends.any() else ():
-            if excess(0.0, power) < 0.0 < excess(most, power):
-                profile = slower(brentq(excess, 0.0, most, (power,), xtol=1e-10), power)
-                speeds = [profile.speed(0.0), profile.speed(profile.duration)]
-                if np.allclose(speeds, self.ends, rtol=1e-9, atol=1e-9 * profile.peak):
-                    break  # else the ends need all that the axes may accelerate
+            kept = np.allclose(fast[[0, -1]], slow[[0, -1]], rtol=1e-9, atol=1e-9 * fast.max())
+            if kept and excess(0.0) < 0.0 < excess(1.0):  # else the ends need all that axes may accelerate
+                part = brentq(excess, 0.0, 1.0, xtol=1e-14)
+                profile = self._profile(at, fast + part * (slow - fast), fast)
         return stretch(profile, duration / profile.duration)
 
-    def _slower(self, log_factor, power):
-        """Under a lower speed limit, but where braking with half of the acceleration needs more speed.
-
-        The accelerations may be lower by the factor to the ``power``: with 2, all that is far from the ends
-        is the same motion in slow motion.
-        """
-        caps, s, most = self.path.caps, self.path.lengths, self.limits.acceleration
+    def _slow(self, level):
+        """A motion down to a level of v², but where braking with half of the acceleration needs more."""
+        s, most = self.path.lengths, self.limits.acceleration
+        if self.limits.axis_acceleration is not None:
+            most = min(most, self.limits.axis_acceleration.min())
         braked = np.maximum(self.ends[0] ** 2 - most * s, self.ends[1] ** 2 - most * (s[-1] - s))
-        caps = np.minimum(caps, np.maximum(caps * np.exp(-2.0 * log_factor), braked))
-        limits, factor = self.limits, np.exp(-power * log_factor)
-        axes = None if limits.axis_acceleration is None else limits.axis_acceleration * factor
-        limits = replace(limits, acceleration=limits.acceleration * factor, axis_acceleration=axes)
-        lengths, squares = fastest(self.path, limits, self.ends, caps)
-        nodes = np.searchsorted(s, lengths, side="right") - 1  # at each or before it
-        held = squares >= caps[nodes] * (1.0 - 2e-9)
+        caps = np.minimum(self.path.caps, np.maximum(level, braked))
+        return fastest(self.path, self.limits, self.ends, caps)
+
+    def _profile(self, lengths, squares, fast):
+        nodes = np.searchsorted(self.path.lengths, lengths, side="right") - 1  # at each or before it
+        held = fast >= self.path.caps[nodes] * (1.0 - 2e-9)
         causes = np.where(held[1:] & held[:-1], self.path.causes[nodes[:-1]], "acceleration")
         return from_speeds(lengths, np.sqrt(squares), self.limits, causes)
