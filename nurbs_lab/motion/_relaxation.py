@@ -10,14 +10,14 @@ logarithms of all M rooms is least, the time exceeds the least one by at most we
 import numpy as np
 
 from nurbs_lab.motion._scurve_kernels import solve_bands
-from nurbs_lab.motion._scurve_problem import FALL
+from nurbs_lab.motion._scurve_problem import FALL, STEPS
 
 #: The bound may be lower than the least time by this part.
 _GAP = 3e-4
 #: The barrier's first weight, as a part of that at which time and all rooms count alike.
 _FIRST = 0.1
-#: A stage takes so many Newton steps at most, until one more would gain less than this part of its weight.
-_STEPS, _NEAR = 1000, 0.1
+#: A stage ends when one more Newton step would gain less than this part of its weight.
+_NEAR = 0.1
 #: Steps to the time of a cell that is best for it.
 _LONGER = 6
 
@@ -90,7 +90,7 @@ class Relaxation:
     def _centre(self, middle, weight):
         """Newton steps in place; twice what the next one would gain."""
         value = self._potential(middle, weight)
-        for _ in range(_STEPS):
+        for _ in range(STEPS):
             step, decrement = self._step(middle, weight)
             if decrement <= _NEAR * weight:
                 break

@@ -10,6 +10,8 @@ from nurbs_lab.motion import _scurve_kernels
 FALL = 0.2
 #: A stage before the last ends when a Newton step would gain less than this part of the weight a cell.
 _NEAR = 0.3
+#: Newton steps of a stage at most: one that is cut short leaves the next ones no way to the least time.
+STEPS = 1000
 #: In slowing down, how often the weight of the barrier is doubled at most.
 _SLOWINGS = 40
 
@@ -79,9 +81,9 @@ class Block:
         nodes = self.along, self.across, self.steepest, self.kappas
         return np.diff(self.nodes), self.ends, self.caps, nodes, self.turns, self.jerk
 
-    def centre(self, middle, weight, tolerance=0.1):
-        """Least time with a weight on the room to the limits, in place, by at most 60 Newton steps."""
-        _scurve_kernels.centre(self.problem, middle, weight, tolerance, 60)
+    def centre(self, middle, weight, tolerance=0.1, most=60):
+        """Least time with a weight on the room to the limits, in place, by ``most`` Newton steps at most."""
+        _scurve_kernels.centre(self.problem, middle, weight, tolerance, most)
 
     def _balanced_weight(self, middle):
         """A weight at which time and room count alike."""
@@ -117,13 +119,14 @@ class Block:
         """Least time from a motion that keeps the limits, in place; the weight on their room that remains.
 
         The weight falls by `FALL` from stage to stage, which makes log(1 / gap) / log(1 / FALL) stages and
-        a few more, because the time falls too; each takes at most 60 Newton steps over all cells.
+        a few more, because the time falls too; each takes some ten Newton steps over all cells. The last
+        one, whose steps end in rounding, takes at most 60.
 
         The time is above the least one by less than the part ``gap`` of it; seen: a fiftieth of that.
         """
         weight = self._balanced_weight(middle)
         while weight * 8.0 * len(middle) > gap * self.time(middle):
-            self.centre(middle, weight, _NEAR * len(middle))
+            self.centre(middle, weight, _NEAR * len(middle), STEPS)
             weight *= FALL
         self.centre(middle, weight, tolerance=1e-9)
         return weight

@@ -6,14 +6,12 @@ import numpy as np
 
 from nurbs_lab.common.checks import lengths as lengths_of
 from nurbs_lab.motion import _kernels
+from nurbs_lab.motion.feed import MOST_SAMPLES
 from nurbs_lab.motion.limits import NAMES
 from nurbs_lab.motion.scan import arc_lengths, path_derivatives
 
 #: Where limits are checked in a cell between two samples of the path, as parts of it.
 _INSIDE = np.clip(np.linspace(0.0, 1.0, 5), 1e-9, 1.0 - 1e-9)
-#: Chords are measured one by one up to this many periods. Beyond, a chord is so short beside the curve that
-#: its error is given by the curvature, which is checked between all samples of the path.
-_MOST_CHORDS = 500_000
 #: Name of the acceleration of the vector, beside that along the path.
 VECTOR = "acceleration of the vector"
 #: Limits that follow from the curve and allow a speed, whatever the acceleration.
@@ -31,7 +29,8 @@ def excesses(path, limits, profile):
     profile = _without_rounding(profile, limits)
     found = _along(limits, profile)
     count = 1 + int(np.ceil(profile.duration / limits.period_s - 1e-9))
-    by_chords = limits.chord_error is not None and count <= 1 + _MOST_CHORDS
+    # beyond, a chord is so short beside the curve that the curvature gives its error
+    by_chords = limits.chord_error is not None and count <= 1 + MOST_SAMPLES
     if by_chords:
         periods = profile.displacement(np.linspace(0.0, profile.duration, max(count, 2)))
     for k, track in enumerate(path.tracks):

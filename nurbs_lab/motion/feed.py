@@ -12,7 +12,7 @@ from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.nurbs import NurbsCurve
 
-#: Periods at most of which a path or an override keeps every sample.
+#: Periods at most of which a path or an override keeps every sample, and a plan measures every chord.
 MOST_SAMPLES = 5_000_000
 
 

@@ -13,10 +13,8 @@ from nurbs_lab.motion.scan import scan
 from nurbs_lab.motion.scurve import WHOLE, s_curve
 from nurbs_lab.motion.trapezoid import Trapezoid, fastest
 
-#: Motions planned at most, each under limits tightened where the one before exceeded them.
-_TIGHTENINGS = 4
-#: Profiles of whole periods tried at most.
-_ROUNDS = 12
+#: Profiles tried at most.
+_ROUNDS = 16
 #: A limit may be exceeded by this part in speed, for what rounding leaves in short segments.
 _ROUNDED = 1e-7
 #: Columns of `Scan.parts` that are lowered where a limit is exceeded, each by a power of the factor in speed.
@@ -69,9 +67,9 @@ def plan_feed(curve, limits=None, *, period_s=None, start_speed=0.0, end_speed=0
     -----
     The limits are kept to a part of 1e-7 in speed. A corner is passed at the speed that the accelerations of
     one period allow; see `motion.Limits`. The work is bounded by the number n of spans: the speed limit is
-    sampled at most 20,000 + 2,000 n times, or the curve is refused. Each of at most 4 + 12 motions then
-    takes two passes over the samples; with ``jerk``, at most 60 Newton steps for each of some ten weights, on
-    a grid of at most 20,000 cells and some for each sample.
+    sampled at most 20,000 + 2,000 n times, or the curve is refused. Each of at most 16 motions then takes two
+    passes over the samples; with ``jerk``, some ten Newton steps, at most 1,000, for each of some ten
+    weights, on a grid of at most 20,000 cells and some for each sample.
     With ``jerk`` the time is the least one of that grid (see ``motion._scurve_kernels``). On the butterfly at
     250 mm/s, 2000 mm/s², 20 000 mm/s³ and 1 µm that is 4.325 s, 29 % more than the 3.350 s without a limit of
     jerk; a grid five times finer gives 4.324 s, so the difference is the price of the jerk, not of the plan.
@@ -113,16 +111,15 @@ def as_limits(limits, period_s, given):
 def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
     """The profile of the fastest motion, slowed down to end with a whole period and to keep every limit.
 
-    A motion that exceeds a limit of the curve is planned again under lower limits, `_TIGHTENINGS` times at
-    most before it is slowed down, and between ends that move after that too, but not where slowing it down
-    takes no period more. At most `_ROUNDS` more profiles are tried.
+    A motion that exceeds a limit of the curve is planned again under lower limits, but not where slowing it
+    down takes no period more. At most `_ROUNDS` profiles are tried.
 
     ``gone`` is the time, in s, of what was planned before. If it is None, more is planned later, and the
     profile ends at any time.
     """
     motion = _motion(path, limits, ends, fineness)
-    profile, left, periods, slowed = motion.profile, _TIGHTENINGS - 1, 0, False
-    for _ in range(_TIGHTENINGS + _ROUNDS):
+    profile, periods, slowed = motion.profile, 0, False
+    for _ in range(_ROUNDS):
         found = excesses(path, limits, profile)
         name, at, factor = worst(found)
         factor = max(1.0, factor)
@@ -133,8 +130,8 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
         slower = (gone or 0.0) + profile.duration * np.array([1.0, factor])
         whole = np.ceil(slower / limits.period_s - 1e-9)
         costs = gone is None or ends.any() or whole[1] > whole[0]  # to slow it down
-        if costs and (left or again) and any(row[3].max() > most for row in found if _LOWERED[row[0]]):
-            path, left = _tightened(path, found), max(left - 1, 0)
+        if costs and any(row[3].max() > most for row in found if _LOWERED[row[0]]):
+            path = _tightened(path, found)
             motion = _motion(path, limits, ends, fineness)
             slowed = slowed and motion.profile.duration <= profile.duration
             profile = motion.lasting(profile.duration) if slowed else motion.profile

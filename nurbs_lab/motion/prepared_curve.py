@@ -16,8 +16,8 @@ CUSP = 1e-9
 BESIDE_END = 1e-10
 #: Least length of a curve, in mm; shorter curves are refused.
 SHORTEST = 1e-15
-#: Lengths, and points beside the size of their curve, agree that differ by no more than this part.
-LENGTHS_AGREE = 1e-6
+#: Lengths, periods, and points beside the size of their curve, agree that differ by no more than this part.
+AGREE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)

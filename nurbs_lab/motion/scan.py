@@ -8,10 +8,9 @@ from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.corners import ROWS, sampled, slowed_at_corners
 from nurbs_lab.nurbs import span_kernels
 
-#: Cells are halved until the speed limit between their ends is linear to this part.
+#: Cells are halved until the speed limit between their ends is linear to this part, by which limits that
+#: follow from the curve are lowered, for what happens between two samples.
 SCAN_TOLERANCE = 2e-4
-#: Limits that follow from the curve are lowered by this part, for what happens between two samples.
-MARGIN = 3e-4
 #: Tangents, and curvatures times the length, that differ by more on the two sides of a knot, jump there.
 JUMP = 1e-6
 #: Where the acceleration may step, the path turns by no more than this (radians) between two samples, since
@@ -87,7 +86,7 @@ class Scan:
         """Largest v² at the samples, lowered for what happens between two of them."""
         inner = self.causes != "speed"
         inner[[0, -1]] = False
-        return (self.speeds * self.parts[:, 0] * np.where(inner, 1.0 - MARGIN, 1.0)) ** 2
+        return (self.speeds * self.parts[:, 0] * np.where(inner, 1.0 - SCAN_TOLERANCE, 1.0)) ** 2
 
     @property
     def jumps(self):
@@ -173,8 +172,8 @@ def scan(track, limits, finer=1.0):
     """Sample a curve so finely that the speed limit is piecewise linear.
 
     The curvature has narrow peaks only where |C'| has a minimum, so that each of these is a sample. Between
-    two samples the limit is lower than both by no more than ``MARGIN``. A curve that needs more cells than
-    `_MOST_CELLS` says is refused. ``finer`` divides `SCAN_TOLERANCE` and `TURN`.
+    two samples the limit is lower than both by no more than `SCAN_TOLERANCE`. A curve that needs more cells
+    than `_MOST_CELLS` says is refused. ``finer`` divides `SCAN_TOLERANCE` and `TURN`.
     """
     span, u = _samples(track, limits, finer)
     tangents, curvatures, _ = path_derivatives(track, span, u)
@@ -258,6 +257,7 @@ def _samples(track, limits, finer):
     stop = np.append(start[1:], breaks[-1])
     found = [(spans, breaks[1:])]
     left, between, right = (sampled(span, u) for u in (start, 0.5 * (start + stop), stop))
+    rounding = 1e-13 * np.abs(breaks).max()  # of u, at points of inflection, where no limit holds
     halved, most = 0, int(finer) * (_MOST_CELLS[0] + _MOST_CELLS[1] * len(breaks))
     while len(span):
         middle = 0.5 * (start + stop)
@@ -267,7 +267,7 @@ def _samples(track, limits, finer):
             linear = (1.0 - part) * left[:, 0] + part * right[:, 0]
             poor |= np.abs(inner[:, 0] - linear) > SCAN_TOLERANCE / finer * inner[:, 0]
         poor |= turns & (np.linalg.norm(right[:, 2:] - left[:, 2:], axis=1) > TURN / finer)
-        poor &= (start < middle) & (middle < stop)
+        poor &= stop - start > rounding
         found.append((span[~poor], start[~poor]))
         cells = span, start, middle, stop, left, quarter, between, right
         span, start, middle, stop, left, quarter, between, right = (row[poor] for row in cells)

@@ -229,6 +229,15 @@ def test_ends_that_move_are_planned_on_any_smooth_curve(seed, speed):
     assert np.linalg.norm(second, axis=1).max() <= 1000.0 * (1.0 + 1e-6)
 
 
+@pytest.mark.parametrize("seed", [0, 40])
+def test_a_limit_of_speed_that_says_nothing_is_none_at_points_of_inflection(seed):
+    """The curvature allows any speed there: cells were halved down to rounding, and the curve was refused."""
+    curve = nl.interpolate_curve(np.random.default_rng(seed).normal(size=(9, 2)) * 10.0)
+    limits = {"acceleration": 100.0, "period_s": 1e-3}
+    enough = nl.plan_feed(curve, speed=1e3, **limits).duration
+    assert nl.plan_feed(curve, speed=1e9, **limits).duration == pytest.approx(enough, abs=1.1e-3)
+
+
 def test_the_plan_of_another_curve_of_the_same_length_is_refused():
     curve = nl.interpolate_curve([(0, 0), (10, 25), (25, -10), (40, 30)])
     feed = nl.plan_feed(curve, speed=50.0, acceleration=500.0, period_s=1e-3)
