@@ -68,7 +68,7 @@ class FeedOverride:
     ``moves`` are the distances of the feed's periods.
     """
 
-    def __init__(self, moves, limits, word=35):
+    def __init__(self, moves, limits, word):
         # With the two after the last period, in which nothing moves, and at -1 the one before the first.
         self.moves, self.count, self.limits = [*moves, 0, 0, limits.prior], len(moves), limits
         self.one, self.dropped = 1 << word + 27, word - 5
