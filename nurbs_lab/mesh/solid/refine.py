@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from itertools import count
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from nurbs_lab.mesh.core import face_normals, vertex_normals
 from nurbs_lab.mesh.distance import triangle_samples
@@ -40,6 +41,7 @@ class Fitted:
     bad: np.ndarray  # of every face, the largest distance
     faulty: np.ndarray  # faces that fold, or pass through others
     face_of_vertex: np.ndarray  # the face nearest to every vertex of the mesh that is divided
+    vertex_of_face: np.ndarray  # the vertex nearest to the middle of every face, which may have no other
 
     @property
     def worst(self):
@@ -105,7 +107,9 @@ def _refined(mesh, target, samples, within, most_faces, meets):
             break
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.faulty, 4.0, 0.0))
         raised = np.where(ratio > 1.0, RAISE * ratio, 1.0)
-        weight = weight * raised[fitted.face_of_vertex]
+        raised_there = raised[fitted.face_of_vertex]
+        np.maximum.at(raised_there, fitted.vertex_of_face, raised)
+        weight = weight * raised_there
     return best
 
 
@@ -135,8 +139,10 @@ def measure(patches: Patches, target, inside, samples) -> Fitted:
     face, uv = places(values, samples)
     gaps, bad = patches.nearest(samples, face, uv), back.reshape(len(values), -1).max(axis=1)
     np.maximum.at(bad, face, gaps)
+    face_of_vertex = places(values, inside)[0]
+    vertex_of_face = cKDTree(inside).query(values[:, 5, 5])[1]
     points, folds = values.reshape(-1, 3), patches.flipped()
-    return Fitted(patches, samples, gaps, points, back, bad, folds, places(values, inside)[0])
+    return Fitted(patches, samples, gaps, points, back, bad, folds, face_of_vertex, vertex_of_face)
 
 
 def _closely(fitted, target):
