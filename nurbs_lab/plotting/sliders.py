@@ -1,6 +1,7 @@
 """Pictures with sliders, and the line of text below controls that tells of errors."""
 
 import html
+import re
 import signal
 import threading
 
@@ -94,7 +95,7 @@ class Explorer(ipywidgets.VBox):
         """The picture at one position of the first control, with the position written into it."""
         name = next(iter(self.controls))
         drawn = self.draw(**self.values() | {name: value})
-        said = f"{name.replace('_', ' ')} = {_shown(value)}"
+        said = f"{_label(name)} = {_shown(value)}"
         if isinstance(drawn, Figure):
             self.words = words(drawn)
             drawn.suptitle(said, x=0.01, ha="left", fontsize=10)
@@ -113,6 +114,11 @@ def _positions(control):
         values = np.linspace(*ends, count + 1, dtype=type(control.value)).round(12).tolist()
     chosen = np.linspace(0, len(values) - 1, min(len(values), FRAMES)).round().astype(int)
     return [values[k] for k in chosen]
+
+
+def _label(name):
+    """The words of a name, and in brackets the unit in which it may end."""
+    return re.sub(" (mm|um|ms)$", r" [\1]", name.replace("_", " ")).replace("[um", "[µm")
 
 
 def _shown(value):
@@ -142,7 +148,7 @@ def explore(draw, **controls):
 
 
 def _control(name, value):
-    look = {"description": name.replace("_", " "), "layout": {"width": "32em"}}
+    look = {"description": _label(name), "layout": {"width": "32em"}}
     look["style"] = {"description_width": "initial"}
     if isinstance(value, tuple):
         first, last, *step = value
