@@ -17,7 +17,7 @@ from nurbs_lab.machining import Cutter, Program, finish
 from nurbs_lab.mesh import Reconstruction, mesh_from_points, reconstruct, samples, slice_mesh
 from nurbs_lab.motion import ToolPath, plan_feed, software_steppers, trace
 from nurbs_lab.motion.curves import benchmark_curves
-from nurbs_lab.nurbs import NurbsCurve, approximate_curve, interpolate_curve
+from nurbs_lab.nurbs import NurbsCurve, interpolate_curve
 from nurbs_lab.plotting.picture import bundle, png_of, sheet
 from nurbs_lab.plotting.stage import png
 
@@ -43,8 +43,8 @@ class Part:
     Attributes
     ----------
     curve : NurbsCurve
-        What the tool follows: the given curve, the longest one of a program, or the longest contour of a
-        mesh at half its height.
+        What the tool follows: the given curve, the cut of a program with most control points, or the longest
+        contour of a mesh at half its height.
     path : ToolPath
         The motion along it.
     reconstruction : Reconstruction or None
@@ -143,9 +143,11 @@ def work(
     ----------
     part : trimesh.Trimesh, NurbsCurve, points of a cloud (n, 3), Program, or file name
     tolerance : float
-        Largest deviation in mm: of the faces from the mesh, or of the curves from the facets of a program.
+        Largest deviation in mm: of the faces and the path from the mesh, or of the curves from the facets of
+        a program.
     speed, acceleration : float
-        Limits of the motion, in mm/s and mm/s²; its chord error is at most 1 µm in periods of 1 ms.
+        Limits of the motion, in mm/s and mm/s², and the feed of a program is one; the chord error is at most
+        1 µm in periods of 1 ms.
     stepper : str
         One of `STEPPERS`.
     cutter : Cutter, optional
@@ -163,7 +165,11 @@ def work(
     if isinstance(part, Program):
         blocks = len(part.moves)
         program = smooth(part, tolerance=tolerance)
-        curve = max(program.curves, key=lambda curve: len(curve.control_points))
+        cuts = [move for move in program.moves if move.kind == "cut"]
+        if not cuts:
+            raise ValueError("part: its program has no move that cuts; give one with G1, G2 or G3")
+        move = max(cuts, key=lambda move: len(move.curve.control_points))
+        curve, speed = move.curve, min(speed, move.feed or speed)
     elif isinstance(part, NurbsCurve):
         curve = part
     else:
@@ -174,7 +180,8 @@ def work(
         made = reconstruct(part, tolerance=tolerance)
         (middle,) = slice_mesh(part, [part.bounds[:, 2].mean()])
         contour = max(middle.contours, key=lambda contour: contour.length)
-        curve = approximate_curve(contour.points_3d, tolerance=tolerance, closed=contour.closed)
+        points = contour.points_3d
+        curve = smooth(np.vstack([points, points[:1]]) if contour.closed else points, tolerance=tolerance)
         if cutter is not None:
             as_kind("cutter", cutter, Cutter)
             program = finish(part, cutter, scallop=scallop, tolerance=scallop / 5, feed=speed)

@@ -11,6 +11,7 @@ from PIL import Image
 
 import nurbs_lab as nl
 from nurbs_lab import interchange, workbench
+from nurbs_lab.common.checks import lengths
 from nurbs_lab.workbench import Workbench, work
 
 
@@ -31,6 +32,11 @@ def test_a_mesh_becomes_surfaces_and_a_path(ball, tmp_path):
     pictures = part.pictures()
     assert list(pictures)[:3] == ["solid", "deviation", "tool path"]
     assert all(opened(picture).width > 300 for picture in pictures.values())
+
+
+def test_the_path_of_a_coarse_part_keeps_the_tolerance():
+    x, y = np.abs(work(trimesh.creation.box((10, 20, 3)), tolerance=0.05).path.points[:, :2].T)
+    assert np.abs(np.maximum(x - 5, y - 10)).max() < 0.05
 
 
 def test_export_leaves_a_solid_a_table_and_a_program(tmp_path):
@@ -64,6 +70,10 @@ def test_a_program_of_facets_becomes_smooth(tmp_path):
     part = work(tmp_path / "mine.ngc", tolerance=0.01)
     assert (part.blocks, len(part.program.moves)) == (501, 3)
     assert "program of 3 moves, for 501 in the file" in part.summary()
+    assert lengths(np.diff(part.path.points, axis=0)).max() <= 0.01 * (1 + 1e-9)  # 600 mm/min for 1 ms
+    (tmp_path / "rapid.ngc").write_text("G21 G90\nG0 X30 Y0 Z5\nG0 Z9\nM2\n")
+    with pytest.raises(ValueError, match="no move that cuts"):
+        work(tmp_path / "rapid.ngc")
     files = part.export(tmp_path / "out", dialect="fanuc", units="mm", axes="XYZ")
     assert files[-1].name == "program.ngc"
     assert len(files[-1].read_text().splitlines()) < 50
