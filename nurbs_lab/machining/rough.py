@@ -27,9 +27,8 @@ FLAT_STEP, BALL_STEP = 0.4, 0.25  # diameters between passes of a flat disc, of 
 GRID = 12  # nodes of the grid along a diameter
 MOST_LEVELS = 2e3  # largest number of levels
 FINE = 120  # tolerances of the curves along a diameter
-CELLS = 48  # along a diameter, of the grid that holds the material while it is cleared
-SKIN = 16  # times its thickness: where that is less than the diameter, it stands for the diameter in these
-FINEST = 0.25  # diameters: but no less
+SKIN = 8  # times its thickness: where that is less than the diameter, it stands for the diameter in these
+FINEST = 0.125  # diameters: but no less
 SLACK = 0.05  # of the step down: less material than this above a level counts as none
 TILT = np.tan(np.radians(1.0))  # slope of a level face, at most
 ABOVE = 1e-6  # diameters: height of levels above contact, so that rounding makes no contact
@@ -76,10 +75,10 @@ def rough(
     Notes
     -----
     The cutter meets material up to ``step_down`` above its tip, and where walls end up to its corner radius
-    more, which it left at their foot. Upper bounds of the material are kept in cells of 1/48 of the diameter,
+    more, which it left at their foot. Upper bounds of the material are kept in cells of 1/24 of the diameter,
     or larger ones on a wide stock; a pass that would meet more is cut in steps from above first. More may be
     met only within 1/20 of the diameter of the cutter's rim, where passes scrape one wall. Where the stock is
-    less than 1/16 of the diameter thicker than what is left beside the part, all this is finer, and a warning
+    less than 1/8 of the diameter thicker than what is left beside the part, all this is finer, and a warning
     says what is too thin. A slot is cleared if its width exceeds the cutter and what is left by 1/120 of the
     diameter; at its ends 1/12 of the diameter may stay. Where the cutter fits and more than ``step_down`` and
     the cusps stay above it, a warning says so. A face is level up to a slope of one degree, and is left as
@@ -131,7 +130,7 @@ def clearing_of(part, stock, cutter, leave, step_down):
     tips.z[[0, -1]] = tips.z[:, [0, -1]] = floor  # beyond the stock, so that every contour closes
     samples = sample_surface(part, step)
     tips = with_valleys(tips, fitting.touch(0.5), samples)
-    material = material_of(stock, cutter, cells=CELLS / share)
+    material = material_of(stock, cutter, share=share)
     return Clearing(fitting, material, tips, step_down, skin, samples)
 
 
@@ -255,7 +254,7 @@ class Clearing:
         """The paths that meet material, each cut in steps where more than one step of it is in its way."""
         out = []
         for path in paths:
-            tips = self.material.sweep(path.curve)
+            tips = self.material.along(path.curve)
             above = self._top(tips[:, :2]) - path.level
             if above.max() <= 0.0:
                 continue

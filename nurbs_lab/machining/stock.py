@@ -15,8 +15,7 @@ from nurbs_lab.machining.part import part_named, prepare_part
 
 CELLS = 24  # along a diameter, of the grid that holds the material while a program is planned
 MOST_CELLS = 4e6
-TIP_SPACING = 0.5  # cells: distance between tips along a curve, where no more is lost between them
-LOSS = 0.05  # cells: height of the ridges between the places at which the cutter is taken
+TIP_SPACING = 0.5  # cells: distance between tips along a curve
 HALF = np.sqrt(0.5)  # steps of the grid: half the diagonal of a cell
 INSIDE = 0.01  # cells: so far a part may be outside its stock, by rounding
 RIM = 2.0  # tolerances from the rim of a cutter: what two passes along one wall scrape off it is no bite
@@ -112,9 +111,9 @@ def bounds_of(stock) -> np.ndarray:
     return stock if isinstance(stock, np.ndarray) else stock.bounds
 
 
-def material_of(stock, cutter, before=None, cells=CELLS):
+def material_of(stock, cutter, before=None, share=1.0):
     """Upper bounds of the stock for a cutter, after the moves of the program ``before``."""
-    field = stock_field(stock, cell_of(stock, cutter, cells), upper=True)
+    field = stock_field(stock, cell_of(stock, cutter, CELLS / share), upper=True)
     if before is not None:
         material = Material(field, before.cutter)
         for move in before.moves:
@@ -130,19 +129,10 @@ class Material:
     field: TipField
     cutter: Cutter
 
-    def along(self, curve, cells=TIP_SPACING) -> np.ndarray:
-        """Points of a curve, so many cells apart, ``(n, 3)``."""
+    def along(self, curve) -> np.ndarray:
+        """Points of a curve, half a cell apart, ``(n, 3)``."""
         size = lengths(np.diff(curve.control_points, axis=0)).sum()
-        return curve(np.linspace(*curve.domain, int(size / (cells * self.field.step)) + 2))
-
-    def sweep(self, curve) -> np.ndarray:
-        """Points of a curve at which the cutter removes all but `LOSS` of a cell of what it removes along it.
-
-        Cutters that are not round where they cut are taken at every half of a cell.
-        """
-        level = np.ptp(curve.control_points[:, 2]) == 0.0
-        radius = self.cutter.radius if level else self.cutter.corner_radius
-        return self.along(curve, max(TIP_SPACING, np.sqrt(8.0 * LOSS * radius / self.field.step)))
+        return curve(np.linspace(*curve.domain, int(size / (TIP_SPACING * self.field.step)) + 2))
 
     @property
     def top(self) -> float:
@@ -151,7 +141,7 @@ class Material:
 
     def cut(self, curve):
         """Remove what the cutter removes along a curve."""
-        none, tips, same = np.empty((0, 2)), self.sweep(curve), self.field.z
+        none, tips, same = np.empty((0, 2)), self.along(curve), self.field.z
         kernels.cut(self._grid, tips, self.cutter.shape, HALF * self.field.step, none, same, 0.0, np.zeros(3))
 
     def rest(self, xy, wider=None) -> np.ndarray:
