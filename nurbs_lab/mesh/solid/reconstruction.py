@@ -326,7 +326,9 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
     parts, repairs = closed_surfaces(graph)
 
     def best(part):
-        exact = exact_shell(part, tolerance, sharp_angle) if faces == "auto" else None
+        # surfaces that meet at less than the sharp angle are told apart at a third of it
+        angles = (sharp_angle, sharp_angle / 3.0) if faces == "auto" else ()
+        exact = next(filter(None, (exact_shell(part, tolerance, angle) for angle in angles)), None)
         few = exact and (max_faces is None or len(exact.shell.faces) <= max_faces)
         return exact if few else build(part, tolerance, sharp_angle, max_faces)
 

@@ -156,11 +156,19 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     if tolerance < _LEAST * unit:
         return None
     even = (points - centre) / size
-    # Round surfaces that meet at less than the sharp angle are told apart at a third of it.
-    regions = regions_of(even, triangles, sharp_angle) or regions_of(even, triangles, sharp_angle / 3.0)
-    if not regions:
+    if not (regions := regions_of(even, triangles, sharp_angle)):
         return None
     label, found, changes = regions
+    samples = np.concatenate([points, triangle_samples(points, triangles, np.inf)])
+    # fine triangles lie between the middles of edges and of triangles, which are last, and the faces
+    edges = np.nonzero(triangles < np.roll(triangles, -1, axis=1))[0]
+    owners, middles = np.concatenate([label[edges], label]), samples[len(points) :]
+    off = np.empty(len(middles))
+    for k, one in enumerate(found):
+        mine = owners == k
+        off[mine] = size * np.abs(one.surface.distances((middles[mine] - centre) / size))
+    if off.max() > tolerance:
+        return None
     try:
         shape = exact.shell_of(even, triangles, label, found, (size / unit, centre / unit))
     except (*oc.FAILURES, ValueError, StopIteration, np.linalg.LinAlgError):
@@ -170,17 +178,9 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     equal = int((changes > 0).sum()), changes.max() * size
     shell = TrimmedShell.of(shape, unit, part.body, part.is_void, *equal)
     fine = shell.to_mesh(max(_FINE * tolerance, shell.finest))
-    samples = np.concatenate([points, triangle_samples(points, triangles, np.inf)])
     places = np.concatenate([fine.vertices, fine.triangles_center])
     to_surface = triangle_tree(fine.triangles).distances(samples)
-    # fine triangles lie between the middles of edges and of triangles, which are last, and the faces
-    edges = np.nonzero(triangles < np.roll(triangles, -1, axis=1))[0]
-    owners, middles = np.concatenate([label[edges], label]), samples[len(points) :]
-    deep = to_surface[len(points) :]
-    for k, one in enumerate(found):
-        mine = owners == k
-        off = size * np.abs(one.surface.distances((middles[mine] - centre) / size))
-        deep[mine] = np.maximum(deep[mine], off)
+    to_surface[len(points) :] = np.maximum(to_surface[len(points) :], off)
     to_mesh = triangle_tree(points[triangles]).distances(places)
     near = max(to_surface.max(), to_mesh.max()) <= tolerance
     return Measured(shell, fine, samples, to_surface, places, to_mesh) if near else None
