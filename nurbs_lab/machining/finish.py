@@ -21,7 +21,7 @@ from nurbs_lab.mesh.read import without_cache
 CUSP = 0.65  # fraction of the scallop: height of cusps on a plane between the first passes
 FINEST = 1e-6  # fraction of the part's size: smallest tolerance
 SAMPLES = 0.125  # fraction of the step-over: spacing of the samples on which the remainder is measured
-FINEST_SAMPLES = 1 / 128  # fraction of the diameter: their least spacing
+FINEST_SAMPLES = 1 / 80  # fraction of the diameter: their least spacing
 
 
 @one_or_many(send=without_cache)
