@@ -45,7 +45,6 @@ shorter, in 0.96 to 1.04 of the time of planning; another value does this:
 constant (module)                       value    another value
 ======================================  =======  =============================================
 JUMP (scan)                             1e-6     0: 3 are 4 to 19 % longer
-_APART (scan), of a cell                1e-6     0: none
 _MOST_CELLS (scan), in all, a span      2e4, 2e3 none is refused at half
 _NEGLIGIBLE (corners)                   1e-7     0: 8 are up to 19 % longer
 _APART (corners), of the length         1e-10    1e-14: none

@@ -18,8 +18,6 @@ JUMP = 1e-6
 TURN = 5e-3
 #: Beside a knot where the speed limit jumps, samples lie at this part of its spans.
 _BESIDE = 1e-2
-#: A minimum of |C'| nearer to an end of a cell than this part of it makes no sample.
-_APART = 1e-6
 #: Cells of a span before the first halving.
 _FIRST_CELLS = 8
 #: Most cells that are halved: so many in all, and so many more for each span.
@@ -249,15 +247,15 @@ def _samples(track, limits, finer):
     count, spans = _FIRST_CELLS if limits.of_the_curve else 1, np.arange(len(breaks) - 1)
     even = (breaks[:-1, None] + np.diff(breaks)[:, None] * (np.arange(count) / count)).ravel()
     dip_span, dips = track.dips
-    part = count * (dips - breaks[dip_span]) / np.diff(breaks)[dip_span]
-    apart = np.abs(part - np.rint(part)) > _APART
-    span, start = np.append(np.repeat(spans, count), dip_span[apart]), np.append(even, dips[apart])
+    span, start = np.append(np.repeat(spans, count), dip_span), np.append(even, dips)
     order = np.lexsort((start, span))
     span, start = span[order], start[order]
     stop = np.append(start[1:], breaks[-1])
+    # of u: a minimum of |C'| may end a cell
+    rounding = max(1e-13 * np.ptp(breaks), 4.0 * np.spacing(np.abs(breaks).max()))
+    span, start, stop = (row[stop - start > rounding] for row in (span, start, stop))
     found = [(spans, breaks[1:])]
     left, between, right = (sampled(span, u) for u in (start, 0.5 * (start + stop), stop))
-    rounding = 1e-13 * np.abs(breaks).max()  # of u, at points of inflection, where no limit holds
     halved, most = 0, int(finer) * (_MOST_CELLS[0] + _MOST_CELLS[1] * len(breaks))
     while len(span):
         middle = 0.5 * (start + stop)
@@ -267,7 +265,7 @@ def _samples(track, limits, finer):
             linear = (1.0 - part) * left[:, 0] + part * right[:, 0]
             poor |= np.abs(inner[:, 0] - linear) > SCAN_TOLERANCE / finer * inner[:, 0]
         poor |= turns & (np.linalg.norm(right[:, 2:] - left[:, 2:], axis=1) > TURN / finer)
-        poor &= stop - start > rounding
+        poor &= stop - start > rounding  # at points of inflection no limit holds
         found.append((span[~poor], start[~poor]))
         cells = span, start, middle, stop, left, quarter, between, right
         span, start, middle, stop, left, quarter, between, right = (row[poor] for row in cells)
