@@ -51,7 +51,7 @@ WRONG = {
 async def every_mistake_is_seen(dut):
     dut.load.value = dut.clear.value = 0
     await reset(dut)
-    good = build_program(paper.CURVE, constant_feed(8.0, 4.0, 1e-3), 1e-3, 2000).batches()[0]
+    good = build_program(paper.CURVE, constant_feed(paper.CURVE.length(), 4.0, 1e-3), 1e-3, 2000).batches()[0]
     good += [(4, 1, (1 << 61) - 1), (4, 2, -(1 << 61)), (4, 4, (1 << 32) - 1)]  # the largest that are right
     good += [(2, 3, ONE >> 10), close_load([*good, (2, 3, ONE >> 10)])]  # the smallest weight
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from itertools import chain, islice, pairwise, repeat, takewhile
 
-from nurbs_lab.common.checks import as_count, as_floats, as_kind, shown
+from nurbs_lab.common.checks import as_count, as_kind, as_sequence
 from nurbs_lab.hardware.arithmetic import Format, round_shift
 from nurbs_lab.hardware.exact_program import BANK, S_GUARD, T_GUARD, ExactProgram, is_cubic
 from nurbs_lab.hardware.feed import distances
@@ -18,7 +18,8 @@ def run_exact(program, rates=(), abort=None) -> Run:
     ----------
     program : ExactProgram
     rates : iterable of int, optional
-        Feed override sampled in each period, 0 (hold) to 256; the last one goes on, 256 if there is none.
+        Feed override sampled in each period, 0 (hold) to 256, as which 257 to 511 count; the last one
+        goes on, 256 if there is none.
     abort : int, optional
         Period from which on the run is aborted: the tool slows down, and the run ends where it rests.
 
@@ -28,9 +29,7 @@ def run_exact(program, rates=(), abort=None) -> Run:
         If a rate is out of its range, or the last one is 0 and the motion would never end.
     """
     as_kind("program", program, ExactProgram)
-    rates = as_floats("rates", rates, ("n",)).astype(int).tolist() or [256]
-    if min(rates) < 0 or max(rates) > 511:
-        raise ValueError(f"rates must be from 0 (hold) to 256 (as planned), got {shown(rates)}")
+    rates = [as_count("rates", rate, 0, 511) for rate in as_sequence("rates", rates)] or [256]
     abort = None if abort is None else as_count("abort", abort, 0)
     override = FeedOverride([*distances(program.feed)], program.override, program.format.word)
     later = takewhile(lambda rate: rate or override.rate or abort is not None, repeat(rates[-1]))

@@ -259,7 +259,8 @@ def build_exact_program(
     curves = [curves] if isinstance(curves, NurbsCurve) else as_sequence("curves", curves)
     dims = {as_kind("curves", curve, NurbsCurve).dim for curve in curves}
     if dims not in ({2}, {3}):
-        raise ValueError(f"curves must be all in the plane or all in space, got dimensions {dims}")
+        found = f"dimensions {dims}" if dims else "none"
+        raise ValueError(f"curves must be one or more, all in the plane or all in space, got {found}")
     as_kind("feed", feed, FeedProfile)
     period_s = as_positive("period_s", period_s)
     if as_kind("format", format, Format).word < 25:
@@ -277,13 +278,16 @@ def build_exact_program(
     places = feed.displacement(period_s * np.arange(int(np.ceil(feed.duration / period_s - 1e-9)) + 1.0))
     bits = [outputs] * len(curves) if isinstance(outputs, int) else as_sequence("outputs", outputs)
     if len(bits) != len(curves):
-        raise ValueError(f"outputs must be one number or {len(curves)}, one for each curve, got {len(bits)}")
+        raise ValueError(
+            f"outputs must be one number (bits 1 and 2 together are 3) or {len(curves)}, one for each curve, "
+            f"got {len(bits)}"
+        )
     bits = [as_count("outputs", one, 0, 15) for one in bits]
     found = [(*piece, on) for curve, on in zip(curves, bits, strict=True) for piece in pieces_of(curve)]
     size = max(sum(np.abs(x.coef)) for _, axes, *_ in found for x in axes)
     point_fraction = word - 1 - int(np.frexp(max(size, 2.0**-60) * (1 + 2.0 ** (4 - word)))[1])
     pieces = tuple(_piece(*row, word, point_fraction, step_fraction) for row in found)
-    _check_chain(curves, feed, 16 * 2.0**-point_fraction)
+    check_chain(curves, feed, 16 * 2.0**-point_fraction)
     limits = loaded_limits(curves[0].dim, moved, largest_step, axis_limits, point_fraction, format)
     end = tuple(_words(curves[-1](curves[-1].domain[1]), point_fraction))
     for tolerance in _AGREE:
@@ -300,7 +304,7 @@ def build_exact_program(
     raise trouble
 
 
-def _check_chain(curves, feed, most):
+def check_chain(curves, feed, most=0.0):
     """Refuse curves that do not meet, and a feed of another length."""
     for n, (a, b) in enumerate(pairwise(curves), 1):
         gap = np.abs(b(b.domain[0]) - a(a.domain[1])).max()

@@ -11,7 +11,7 @@ from nurbs_lab.common.checks import as_choice, as_kind, as_positive
 from nurbs_lab.hardware.arithmetic import SHIPPED, Format, checksum
 from nurbs_lab.hardware.cu import load_curve
 from nurbs_lab.hardware.exact import run_exact
-from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
+from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program, check_chain
 from nurbs_lab.hardware.feed import load_feed
 from nurbs_lab.hardware.simulation import rtl_folder, simulate, split_words
 from nurbs_lab.hardware.stepper import STARTED, Program, Run, first_slope, loaded_limits
@@ -54,10 +54,11 @@ def build_program(
     Raises
     ------
     ValueError
-        If the curve or the feed breaks a limit of the hardware.
+        If the curve or the feed breaks a limit of the hardware, or the feed is that of another length.
     """
     loaded = load_curve(curve, format)
     loaded_feed = load_feed(feed, period_s, periods, loaded.point_fraction, format)
+    check_chain([curve], feed)
     du, chord = first_slope(curve, loaded)
     moved = feed.peak * as_positive("period_s", period_s)
     step, limits = loaded_limits(curve.dim, moved, largest_step, axis_limits, loaded.point_fraction, format)

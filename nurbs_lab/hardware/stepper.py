@@ -77,8 +77,8 @@ def loaded_limits(dim, moved, largest_step, axis_limits, point_fraction, format)
     limits = ((-format.largest - 1, format.largest),) * dim
     if axis_limits is not None:
         ends = as_floats("axis_limits", axis_limits, ("dim", "2"))
-        if np.shape(ends) != (dim, 2):
-            raise ValueError(f"axis_limits must be a lowest and a highest coordinate of {dim} axes")
+        if np.shape(ends) != (dim, 2) or np.any(ends[:, 0] > ends[:, 1]):
+            raise ValueError(f"axis_limits must be a lowest, then a highest coordinate of {dim} axes")
         words = np.clip(ends * unit, -format.largest - 1, format.largest)
         limits = tuple((int(np.ceil(low)), int(np.floor(high))) for low, high in words)
     return int(np.clip(step, 1, 2 * format.largest + 1)), limits

@@ -224,6 +224,7 @@ class Machine:
             while not (status and status.ended):
                 begun_s = self.port.time_s
                 self.port.sleep(say.PAUSE_S)
+                late = left_s < -say.PATIENCE_S  # when it is asked; a look may take longer than the margin
                 status = self.status()
                 left_s -= (self.port.time_s - begun_s) * self.rate / 256
                 if not status.placed:
@@ -232,7 +233,7 @@ class Machine:
                     )
                 if self.converse(self.talk.refill(status.register)) and status.awaited:
                     left_s += say.MARGIN_S  # the tool had slowed down
-                if left_s < -say.MARGIN_S and self.rate:
+                if late and left_s < -say.MARGIN_S and self.rate and not status.ended:
                     raise RuntimeError(f"the board does not end: {len(twin.u) * period_s:.3g} s were planned")
                 yield status
             stopped = [flag for flag in status.flags if flag in FAULTS.values() and flag != "aborted"]

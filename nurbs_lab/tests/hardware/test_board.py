@@ -165,6 +165,11 @@ def test_a_board_that_never_ends_is_given_up_and_another_path_is_noticed(monkeyp
             list(machine.run(program, PERIOD_S))
         assert board.time_s < len(run_exact(program).u) * PERIOD_S + 6 * say.MARGIN_S
     board = host.Simulation()
+    monkeypatch.setattr(board, "exchange", late)
+    monkeypatch.setattr(say, "MARGIN_S", 0.3)  # less than a look takes
+    with host.Machine(board) as machine:
+        assert [*machine.run(program, PERIOD_S)][-1].ended
+    board = host.Simulation()
     monkeypatch.setattr("nurbs_lab_board.simulated.points_checksum", lambda *_: 1)
     with pytest.raises(RuntimeError, match="did not run the twin's path"), host.Machine(board) as machine:
         list(machine.run(program, PERIOD_S))
