@@ -18,10 +18,9 @@ _ROUNDS = 16
 #: A limit may be exceeded by this part in speed, for what rounding leaves in short segments.
 _ROUNDED = 1e-7
 #: Columns of `Scan.parts` that are lowered where a limit is exceeded, each by a power of the factor in speed.
-#: Planned motions keep the acceleration along the path everywhere but for rounding.
 _LOWERED = dict.fromkeys(("speed", *BY_SPEED), ((0, 1),))
-_LOWERED |= dict.fromkeys((VECTOR, "axis_acceleration"), ((0, 1), (1, 2)))
-_LOWERED |= {"axis_jerk": ((0, 1), (2, 3)), "jerk": ((3, 3),), "acceleration": ()}
+_LOWERED |= dict.fromkeys(("acceleration", VECTOR, "axis_acceleration"), ((0, 1), (1, 2)))
+_LOWERED |= {"axis_jerk": ((0, 1), (2, 3)), "jerk": ((3, 3),)}
 #: Factor of a limit that is cured by slowing down the whole motion instead of planning it again; a motion
 #: that is planned again is slower by as much more.
 _TOLERATED = 1.0 + 1e-5
@@ -130,7 +129,7 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
         slower = (gone or 0.0) + profile.duration * np.array([1.0, factor])
         whole = np.ceil(slower / limits.period_s - 1e-9)
         costs = gone is None or ends.any() or whole[1] > whole[0]  # to slow it down
-        if costs and any(row[3].max() > most for row in found if _LOWERED[row[0]]):
+        if costs and any(row[3].max() > most for row in found):
             path = _tightened(path, found)
             motion = _motion(path, limits, ends, fineness)
             slowed = slowed and motion.profile.duration <= profile.duration
@@ -157,10 +156,9 @@ def _tightened(path, found):
     for name, start, stop, factors in found:
         first = np.maximum(np.searchsorted(path.lengths, start) - 1, 0)
         last = np.searchsorted(path.lengths, stop) + 1
-        lowered = _LOWERED[name]
-        for k in np.flatnonzero(factors > 1.0) if lowered else ():
+        for k in np.flatnonzero(factors > 1.0):
             near = slice(first[k], last[k])
-            for column, power in lowered:
+            for column, power in _LOWERED[name]:
                 lower = path.parts[near, column] / (factors[k] * _TOLERATED) ** power
                 parts[near, column] = np.minimum(parts[near, column], lower)
     return replace(path, parts=parts)

@@ -94,6 +94,9 @@ LOOP = [(2.2, 6.1), (1, 4.9), (-1.4, 4.8), (-4, 1.2), (-3.7, -3.1), (-5, -5.2), 
 LOOP += [(5.1, -5.1), (5.3, -4.4), (7.3, -3.2), (5.2, -1.3), (2.2, 6.1)]
 LOOP = nl.interpolate_curve(LOOP, 5, closed=True)
 TEETH = nl.interpolate_curve([(x, x % 3) for x in range(9)])
+WAVES = 0.03 * np.arange(2001)
+FACETS = np.column_stack([WAVES, 4 * np.sin(WAVES / 7) + 2 * np.sin(WAVES / 3)]).round(3)
+FACETS = nl.interchange.blend(FACETS, tolerance=0.01)
 ZIGZAG = nl.interpolate_curve([(0, 0), (10, 2), (20, 0), (30, 12), (31, 0)], 1)
 
 
@@ -102,6 +105,7 @@ ZIGZAG = nl.interpolate_curve([(0, 0), (10, 2), (20, 0), (30, 12), (31, 0)], 1)
     [
         (BUTTERFLY, {"speed": 100.0, "acceleration": 1000.0, "axis_acceleration": 700.0}, 1e-3),
         (BUTTERFLY, {"speed": 100.0, "acceleration": 1000.0, "jerk": 2e4, "chord_error": 1e-3}, 1e-3),
+        (FACETS, {"speed": 60.0, "acceleration": 1000.0, "axis_acceleration": 1000.0}, 1e-3),
         (nl.paper.CURVE, {"speed": 4.0, "acceleration": 40.0, "jerk": 800.0}, 1e-2),
         (LINE, {"speed": 5.0, "acceleration": 40.0, "jerk": 800.0}, 1e-2),
         (ZIGZAG, {"speed": 60.0, "acceleration": 1000.0, "jerk": 2e4, "axis_acceleration": 700.0}, 1e-2),
