@@ -114,13 +114,12 @@ def _refined(mesh, target, samples, within, most_faces, meets):
 
 
 def _small_layout(mesh, weight, cost, most_faces):
-    """The first of coarser and coarser layouts with few enough faces, or that has no fewer; its cost."""
-    faces = np.inf
-    while True:
-        layout, chart = lay_out(mesh, weight, cost)
-        if len(layout.corners) <= most_faces or len(layout.corners) >= faces:
-            return layout, chart, cost
-        faces, cost = len(layout.corners), 2.0 * cost
+    """The first of sixteen layouts, each coarser, with few enough faces, or the last one; its cost."""
+    for coarser in cost * 2.0 ** np.arange(16):
+        layout, chart = lay_out(mesh, weight, coarser)
+        if len(layout.corners) <= most_faces:
+            break
+    return layout, chart, coarser
 
 
 def _score(fitted, within):
