@@ -41,7 +41,7 @@ $(READY): pyproject.toml constraints.txt
 	@touch $(READY)
 
 icarus:
-	@command -v iverilog >/dev/null || $(call as_root,apt-get update -q && apt-get install -y -q iverilog) || \
+	@command -v iverilog >/dev/null || $(call as_root,apt-get update -q; apt-get install -y -q iverilog) || \
 	  { command -v brew >/dev/null && brew install icarus-verilog; } || \
 	  { echo "Icarus Verilog is missing; type: sudo apt install iverilog   (or: conda install -c conda-forge iverilog)"; exit 1; }
 
