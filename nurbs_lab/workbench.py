@@ -180,8 +180,7 @@ def work(
         made = reconstruct(part, tolerance=tolerance)
         (middle,) = slice_mesh(part, [part.bounds[:, 2].mean()])
         contour = max(middle.contours, key=lambda contour: contour.length)
-        points = contour.points_3d
-        curve = smooth(np.vstack([points, points[:1]]) if contour.closed else points, tolerance=tolerance)
+        curve = smooth(contour.ring_3d, tolerance=tolerance)
         if cutter is not None:
             as_kind("cutter", cutter, Cutter)
             program = finish(part, cutter, scallop=scallop, tolerance=scallop / 5, feed=speed)

@@ -24,7 +24,7 @@ from nurbs_lab.machining.program import Program
 
 SMALL_MM = 1000.0  # beyond it, numbers without a point are asked for their unit
 UNSAID = "from a place that the program does not say, which is taken as 0"
-UNITS = {code for code, (kind, *_) in table.G_WORDS.items() if kind == "unit"}
+UNIT_CODES = {code for code, (kind, *_) in table.G_WORDS.items() if kind == "unit"}
 MARKS = {*"MNTDH", *LETTERED}  # letters that are no words of a move
 PLACES = tuple(enumerate(("Xxt", "Yyu", "Zzv")))  # by their words, by steps IX or X=IC(), and by X=AC()
 POLAR = set("@^&")
@@ -96,7 +96,7 @@ class _Interpreter(Commands):
         if not self.ended and (self.kinds or not subs):
             yield "it has no end of a program (M2, M30, % or END PGM); it may be cut off"
         printed = any(word == "E" or "printer" in why for word, why in self.left_out)
-        if self.kinds and not (self.heidenhain or printed or self.codes & UNITS):
+        if self.kinds and not (self.heidenhain or printed or self.codes & UNIT_CODES):
             yield "it has no G20 or G21; its numbers are taken as mm"
         for (word, why), count in self.left_out.items():
             yield f"{word} in {count} of its blocks is {why}"

@@ -137,8 +137,10 @@ def linked(vertices, triangles, junk=None) -> MeshGraph:
     body = np.zeros(len(triangles), np.int32)
     vertices.setflags(write=False)  # as those of a graph, so that the kernel is compiled once
     if _kernels_core.link(triangles, vertices, body, junk, opposite, kinds):
-        junk[_copies(triangles, kinds)] = True
-        _kernels_core.link(triangles, vertices, body, junk, opposite, kinds)
+        copies = _copies(triangles, kinds)
+        if copies.size:
+            junk[copies] = True
+            _kernels_core.link(triangles, vertices, body, junk, opposite, kinds)
         body = bodies_of(np.where(kinds == 2, -1, opposite))[1]
         _kernels_core.link(triangles, vertices, body, junk, opposite, kinds)
     return MeshGraph(vertices, triangles, opposite, kinds, junk)
@@ -154,21 +156,14 @@ def _copies(triangles, kinds):
     corners = triangles[suspects]
     turn = (corners.argmin(axis=1)[:, None] + np.arange(3)) % 3
     _, first = np.unique(np.take_along_axis(corners, turn, axis=1), axis=0, return_index=True)
-    copies = np.delete(suspects, first)
-    if not copies.size:
-        return copies
-    tails, heads = tails_and_heads(triangles)
-    _, edge = np.unique(np.sort(np.column_stack([tails, heads]), axis=1), axis=0, return_inverse=True)
-    edge = edge.reshape(-1, 3)
-    away, mine = np.where(tails < heads, 1, -1).reshape(-1, 3), edge[copies]
-    balance = np.bincount(edge.ravel(), away.ravel())
-    without = balance - np.bincount(mine.ravel(), away[copies].ravel(), len(balance))
-    needed = ((balance == 0) & (without != 0))[mine].any(axis=1)
-    count, group = components(
-        len(copies) + len(balance), np.repeat(np.arange(len(copies)), 3), len(copies) + mine.ravel()
-    )
-    group = group[: len(copies)]
-    return copies[np.bincount(group, needed, count)[group] == 0]
+    copies, halves = np.delete(suspects, first), np.flatnonzero(kinds > 1)
+    edge, way = edges_and_ways(triangles, halves)
+    away = np.isin(halves // 3, copies)
+    row, mine = np.searchsorted(copies, halves[away] // 3), edge[away]
+    balance, lost = np.bincount(edge, way), np.bincount(mine, way[away], edge.max() + 1)
+    group = components(len(copies) + len(balance), row, len(copies) + mine)[1][: len(copies)]
+    needed = np.bincount(group[row], ((balance == 0) & (lost != 0))[mine])
+    return copies[needed[group] == 0]
 
 
 def opposite_of(triangles) -> np.ndarray:
@@ -185,6 +180,13 @@ def opposite_of(triangles) -> np.ndarray:
 def tails_and_heads(faces):
     """The vertices where every half-edge of faces of any number of corners starts and ends."""
     return faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+
+
+def edges_and_ways(triangles, halves):
+    """Numbers of the edges of half-edges, and 1 for each that runs to the higher vertex, else -1."""
+    tails, heads = (ends[halves] for ends in tails_and_heads(triangles))
+    ends = np.sort(np.column_stack([tails, heads]), axis=1)
+    return np.unique(ends, axis=0, return_inverse=True)[1], np.where(tails < heads, 1, -1)
 
 
 def components(count, first, second):

@@ -11,6 +11,7 @@ from nurbs_lab.mesh import _kernels_core
 from nurbs_lab.mesh.core import (
     bodies_of,
     components,
+    edges_and_ways,
     enclosed_volume,
     face_normals,
     linked,
@@ -187,10 +188,7 @@ def _drop(graph, size, repairs):
     regular[many] = -1
     count, label = bodies_of(regular)
     areas = np.bincount(label, np.linalg.norm(face_normals(graph.vertices, graph.triangles), axis=1))
-    tails, heads = (ends[many] for ends in tails_and_heads(graph.triangles))
-    ends = np.sort(np.column_stack([tails, heads]), axis=1)
-    edge, sheet = np.unique(ends, axis=0, return_inverse=True)[1], label[many // 3]
-    way = np.where(tails < heads, 1, -1)
+    (edge, way), sheet = edges_and_ways(graph.triangles, many), label[many // 3]
     odd = np.flatnonzero(np.bincount(edge, way)[edge] == way)
     order = odd[np.lexsort((areas[sheet[odd]], edge[odd]))]
     spare = order[np.unique(edge[order], return_index=True)[1]]

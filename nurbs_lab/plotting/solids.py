@@ -72,7 +72,7 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
         lay(stage, lines, color=BLUE, line_width=2)
     else:
         for hole, colour in ((False, BLUE), (True, RED)):
-            lines = [_space(c) for layer in layers for c in layer.contours if c.is_hole == hole]
+            lines = [c.ring_3d for layer in layers for c in layer.contours if c.is_hole == hole]
             if lines:
                 lay(stage, lines, color=colour, line_width=2)
     return frame(stage, title=title)
@@ -259,11 +259,6 @@ def _isocurves(surface):
     u, v = map(find_breaks, surface.knots, surface.degrees)
     fine_u, fine_v = _places(surface)
     return [*surface.grid(u, fine_v), *surface.grid(fine_u, v).swapaxes(0, 1)]
-
-
-def _space(contour):
-    points = contour.points_3d
-    return np.vstack([points, points[:1]]) if contour.closed else points
 
 
 def triangles(mesh):

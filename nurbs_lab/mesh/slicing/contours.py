@@ -68,6 +68,11 @@ class Contour(Value):
         return self.points @ self.frame[:2] + self.height * self.frame[2]
 
     @property
+    def ring_3d(self) -> np.ndarray:
+        """The same, and of a closed contour the first point again."""
+        return np.concatenate([self.points_3d, self.points_3d[: int(self.closed)]])
+
+    @property
     def length(self) -> float:
         """Length of the polyline, closing segment included."""
         ends = np.roll(self.points, -1, axis=0) if self.closed else self.points[1:]
