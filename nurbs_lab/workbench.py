@@ -17,7 +17,8 @@ from nurbs_lab.machining import Cutter, Program, finish
 from nurbs_lab.mesh import Reconstruction, mesh_from_points, reconstruct, samples, slice_mesh
 from nurbs_lab.motion import ToolPath, plan_feed, software_steppers, trace
 from nurbs_lab.motion.curves import benchmark_curves
-from nurbs_lab.nurbs import NurbsCurve, interpolate_curve
+from nurbs_lab.nurbs import NurbsCurve, approximate_curve, interpolate_curve
+from nurbs_lab.nurbs.along import lengths_along, points_along
 from nurbs_lab.plotting.picture import bundle, png_of, sheet
 from nurbs_lab.plotting.stage import png
 
@@ -180,12 +181,21 @@ def work(
         made = reconstruct(part, tolerance=tolerance)
         (middle,) = slice_mesh(part, [part.bounds[:, 2].mean()])
         contour = max(middle.contours, key=lambda contour: contour.length)
-        curve = smooth(contour.ring_3d, tolerance=tolerance)
+        curve = _along(contour, tolerance)
         if cutter is not None:
             as_kind("cutter", cutter, Cutter)
             program = finish(part, cutter, scallop=scallop, tolerance=scallop / 5, feed=speed)
     feed = plan_feed(curve, speed=speed, acceleration=acceleration, chord_error=1e-3, period_s=1e-3)
     return Part(curve, trace(curve, feed, stepper=stepper), made, program, blocks)
+
+
+def _along(contour, tolerance):
+    """A smooth curve within a tolerance of a contour, also between the points of this."""
+    ring = contour.ring_3d
+    corners = lengths_along(ring)
+    at = np.union1d(corners, np.arange(0.0, corners[-1], tolerance))
+    at = at[np.append(True, np.diff(at) > 1e-9 * corners[-1])]
+    return approximate_curve(points_along(ring, at), tolerance=tolerance, closed=contour.closed)
 
 
 class Workbench:

@@ -15,7 +15,7 @@ from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_cur
 from nurbs_lab.interchange._pieces import MARGIN, PROBES
 from nurbs_lab.machining.program import Move, Program
 from nurbs_lab.nurbs import NurbsCurve
-from nurbs_lab.nurbs.along import lengths_along, spline_along
+from nurbs_lab.nurbs.along import lengths_along, points_along, spline_along
 
 LONG = 5.0  # times as long as both its neighbours: such a segment is a line of its own
 CORNER = np.radians(20.0)  # a polyline that turns by more has a corner
@@ -125,7 +125,7 @@ def _curves(points, tolerance):
     beside = np.maximum(np.r_[0.0, long[:-1]], np.r_[long[1:], 0.0])
     lone = long > LONG * beside
     sharp = turn > CORNER
-    sharp[sharp] = _turns_around(points, long, 1 + np.flatnonzero(sharp), AROUND * tolerance) > CORNER
+    sharp[sharp] = _turns_around(points, 1 + np.flatnonzero(sharp), AROUND * tolerance) > CORNER
     breaks = np.flatnonzero(np.r_[True, sharp | lone[1:] | lone[:-1], True])
     place, pieces = np.flatnonzero(kept), []
     for a, b in itertools.pairwise(breaks):
@@ -138,13 +138,9 @@ def _curves(points, tolerance):
     return [(curve, place[b] - place[a]) for curve, a, b in pieces]
 
 
-def _turns_around(points, long, at, reach):
+def _turns_around(points, at, reach):
     """Angles by which a polyline turns at some of its points, between places ``reach`` before and after."""
-    length = np.r_[0.0, np.cumsum(long)]
-    before, after = (
-        np.column_stack([np.interp(length[at] + side, length, column) for column in points.T])
-        for side in (-reach, reach)
-    )
+    before, after = (points_along(points, lengths_along(points)[at] + side) for side in (-reach, reach))
     one, two = points[at] - before, after - points[at]
     return np.arctan2(lengths(np.cross(one, two)), (one * two).sum(axis=1))
 

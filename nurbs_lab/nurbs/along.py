@@ -12,6 +12,12 @@ def lengths_along(points) -> np.ndarray:
     return np.concatenate([[0.0], np.cumsum(lengths(np.diff(points, axis=0)))])
 
 
+def points_along(points, at) -> np.ndarray:
+    """Points of a polyline at lengths ``at (m,)`` along it, ``(m, dim)``."""
+    length = lengths_along(points)
+    return np.column_stack([np.interp(at, length, column) for column in points.T])
+
+
 def spline_along(points, tolerance) -> NurbsCurve:
     """The cubic spline nearest to a polyline, with as few knots as keep the tolerance at its points.
 

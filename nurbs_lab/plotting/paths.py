@@ -253,6 +253,7 @@ def leaderboard(rows, *, metric="chord"):
         axes[-1].bar_label(bars, [f"{count:.3g}" for count in counts], padding=3, fontsize=8)
         axes[-1].set(xlabel="time per step [ns]", title="cost")
         axes[-1].margins(x=0.15)
+        axes[-1].locator_params(axis="x", nbins=4)
         axes[0].set_yticks(range(len(steppers)), steppers)
         axes[0].invert_yaxis()
         figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
