@@ -4,13 +4,13 @@ Half-edge ``3 f + e`` runs from corner e of triangle f to its next corner. Its w
 is the sum of the numbers of its two corners.
 """
 
-from math import atan2, floor, sqrt
+from math import atan2, floor, sqrt, tau
 
 import numpy as np
 
 from nurbs_lab.common.kernels import compiled, inlined
 
-FULL_TURN = 2.0 * np.pi
+BOUNDARY, MANY, AGAINST = 1, 2, 3  # kinds of half-edges, see `MeshGraph`; 0 is a regular one
 SAME_ANGLE = 1e-9
 FEW = 32  # half-edges that are compared each with each; more are sorted first
 
@@ -109,8 +109,8 @@ def pair_fan(fan, triangles, vertices, body, low, high, opposite):
             along = (x * ax + y * ay + z * az) / size / size
             px, py, pz = x - along * ax, y - along * ay, z - along * az
             qx, qy, qz = (ay * z - az * y) / size, (az * x - ax * z) / size, (ax * y - ay * x) / size
-        turn = atan2(x * qx + y * qy + z * qz, x * px + y * py + z * pz) % FULL_TURN
-        turn = turn if turn < FULL_TURN - SAME_ANGLE else 0.0
+        turn = atan2(x * qx + y * qy + z * qz, x * px + y * py + z * pz) % tau
+        turn = turn if turn < tau - SAME_ANGLE else 0.0
         turns[i] = 2.0 * floor(turn / SAME_ANGLE + 0.5)
         if closes[i]:  # before one opens, and in the other order, so that the last opened closes first
             turns[i] -= 1.0 + i / (2.0 * k)
@@ -190,12 +190,12 @@ def link(triangles, vertices, body, junk, opposite, kinds):
                 count += same
                 other = j if same else other
             if count == 1:
-                kinds[one] = 1
+                kinds[one] = BOUNDARY
             elif count == 2:
                 two = edges[other, 0]
                 opposite[one], opposite[two] = two, one
                 if key == edges[other, 1]:
-                    kinds[one], kinds[two] = 3, 3
+                    kinds[one], kinds[two] = AGAINST, AGAINST
                     irregular += 2
                 edges[other, 0], edges[other, 1] = edges[i + 1, 0], edges[i + 1, 1]
             else:
@@ -218,7 +218,7 @@ def link_fan(edges, high, triangles, vertices, body, low, opposite, kinds):
     fan, order = np.empty(count, np.int32), sorted_order(1.0 * edges[:count, 0])
     for k in range(count):
         fan[k] = edges[order[k], 0]
-        kinds[fan[k]] = 2
+        kinds[fan[k]] = MANY
     pair_fan(fan, triangles, vertices, body, low, high, opposite)
 
 

@@ -5,8 +5,7 @@ import numpy as np
 from nurbs_lab.common.box_tree import LEAF, box_distance, open_box
 from nurbs_lab.common.kernels import compiled, inlined, kernel
 
-EQUAL = 1e-9  # relative difference of squared distances that is rounding
-SAME_PLACE = 1e-22  # squared distance that is rounding, of the squared coordinates
+ROUNDING = 1e-11  # difference of distances, of the coordinates, up to which they are equal
 
 
 @kernel
@@ -67,7 +66,7 @@ def nearest(points, directions, corners, normals, boxes, names, out):
     """
     rounding = 0.0
     for d in range(len(boxes[0])):
-        rounding = max(rounding, SAME_PLACE * boxes[0, d] ** 2)
+        rounding = max(rounding, ROUNDING * abs(boxes[0, d]))
     distances = np.empty(len(points))
     directed = len(directions) > 0
     leaves = (len(boxes) + 1) // 2
@@ -97,10 +96,10 @@ def nearest(points, directions, corners, normals, boxes, names, out):
                 )
                 if gap > most:
                     continue
-                if out[i] < 0 or names[f] < out[i] or gap + EQUAL * gap + rounding < best:
+                if out[i] < 0 or names[f] < out[i] or (np.sqrt(gap) + rounding) ** 2 < best:
                     out[i], last = names[f], f
                 best = min(best, gap)
-                most = best + EQUAL * best + rounding
+                most = (np.sqrt(best) + rounding) ** 2
             start, stop = 0, 0
             if depth == 0:
                 break

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from nurbs_lab.common.checks import counted
-from nurbs_lab.mesh import _kernels_core
+from nurbs_lab.mesh._kernels_core import AGAINST, BOUNDARY, MANY, rims
 from nurbs_lab.mesh.core import (
     bodies_of,
     components,
@@ -70,7 +70,7 @@ def closed_surfaces(graph) -> tuple[list[ClosedSurface], tuple[str, ...]]:
         repairs.append(f"{graph.junk.sum()} triangles left out that repeat a corner or another triangle")
         graph = linked(graph.vertices, graph.triangles[~graph.junk])
     for mend in (_weld, _divide, _wind, _drop, _fill):
-        if (graph.opposite < 0).any() or (graph.kinds == _AGAINST).any():
+        if (graph.opposite < 0).any() or (graph.kinds == AGAINST).any():
             graph = mend(graph, size, repairs)
     _require_closed(graph)
     surfaces = _bodies(*_one_fan_a_vertex(graph), size, repairs)
@@ -78,17 +78,14 @@ def closed_surfaces(graph) -> tuple[list[ClosedSurface], tuple[str, ...]]:
     return surfaces, tuple(repairs)
 
 
-_BOUNDARY, _MANY, _AGAINST = 1, 2, 3  # kinds of half-edges
-
-
 def _require_closed(graph):
-    wrong = (graph.opposite < 0) | (graph.kinds == _AGAINST)
+    wrong = (graph.opposite < 0) | (graph.kinds == AGAINST)
     if not wrong.any():
         return
     reasons = (
-        (_BOUNDARY, "have one triangle only, as around a hole"),
-        (_MANY, "join three or more triangles that enclose no material"),
-        (_AGAINST, "join triangles wound against each other, as on a one-sided strip"),
+        (BOUNDARY, "have one triangle only, as around a hole"),
+        (MANY, "join three or more triangles that enclose no material"),
+        (AGAINST, "join triangles wound against each other, as on a one-sided strip"),
     )
     counts = [(np.count_nonzero(wrong & (graph.kinds == kind)), text) for kind, text in reasons]
     said = "; ".join(f"{count} edges {text}" for count, text in counts if count)
@@ -164,8 +161,8 @@ def _divide(graph, size, repairs):
 
 def _wind(graph, size, repairs):
     """Turn triangles that are wound against their neighbours, the fewer ones of every connected part."""
-    halves = np.flatnonzero((graph.opposite >= 0) & (graph.kinds != _MANY))
-    one, other, against = halves // 3, graph.opposite[halves] // 3, graph.kinds[halves] == _AGAINST
+    halves = np.flatnonzero((graph.opposite >= 0) & (graph.kinds != MANY))
+    one, other, against = halves // 3, graph.opposite[halves] // 3, graph.kinds[halves] == AGAINST
     first, second = np.concatenate([2 * one, 2 * one + 1]), np.concatenate([2 * other, 2 * other + 1])
     count, label = components(2 * len(graph.triangles), first, second ^ np.tile(against, 2))
     # every triangle as it is and turned: two parts, unless the surface has one side
@@ -183,7 +180,7 @@ def _drop(graph, size, repairs):
 
     Where one triangle too many runs along an edge in one direction, it is that of the smallest sheet.
     """
-    many = np.flatnonzero(graph.kinds == _MANY)
+    many = np.flatnonzero(graph.kinds == MANY)
     regular = graph.opposite.copy()
     regular[many] = -1
     count, label = bodies_of(regular)
@@ -192,7 +189,7 @@ def _drop(graph, size, repairs):
     odd = np.flatnonzero(np.bincount(edge, way)[edge] == way)
     order = odd[np.lexsort((areas[sheet[odd]], edge[odd]))]
     spare = order[np.unique(edge[order], return_index=True)[1]]
-    stray, kept = np.zeros(count, bool), label[np.flatnonzero(graph.kinds == _BOUNDARY) // 3]
+    stray, kept = np.zeros(count, bool), label[np.flatnonzero(graph.kinds == BOUNDARY) // 3]
     stray[sheet[spare]] = True
     stray[sheet[np.setdiff1d(odd, spare)]] = stray[kept] = False
     if not stray.any():
@@ -203,9 +200,9 @@ def _drop(graph, size, repairs):
 
 def _fill(graph, size, repairs):
     """Fill holes of three and four edges, and small ones by triangles around their middle."""
-    if (graph.kinds == _AGAINST).any():
+    if (graph.kinds == AGAINST).any():
         return graph
-    after = dict(zip(*_kernels_core.rims(graph.opposite), strict=True))
+    after = dict(zip(*rims(graph.opposite), strict=True))
     tails, normals = graph.triangles.ravel(), unit(face_normals(graph.vertices, graph.triangles))
     filled, vertices, triangles = 0, [graph.vertices], [graph.triangles]
     count = len(graph.vertices)
@@ -247,7 +244,7 @@ def _one_fan_a_vertex(graph):
     owner = np.empty(count, dtype=np.int64)
     owner[label] = graph.triangles.ravel()
     corners, opposite = label.reshape(-1, 3).astype(np.int64), graph.opposite.astype(np.int64)
-    return _halved(graph.vertices[owner], corners, opposite, np.flatnonzero(graph.kinds == _MANY))
+    return _halved(graph.vertices[owner], corners, opposite, np.flatnonzero(graph.kinds == MANY))
 
 
 def _halved(vertices, triangles, opposite, shared):

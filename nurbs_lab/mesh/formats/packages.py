@@ -11,7 +11,6 @@ from nurbs_lab.mesh.formats.shape import Shape
 
 _MOST_TRIANGLES = 100_000_000  # of a 3MF file whose components repeat one another
 _MOST_BYTES = 2**32  # of an unpacked part of a 3MF file
-_DEEPEST = 30  # components in one another
 _FLOAT, _TRIANGLES, _STRIP = 5126, 4, 5  # numbers of glTF
 _WORDS = {  # of glTF, beside those that all of its parts may have
     "nodes": "camera children skin matrix mesh rotation scale translation weights",
@@ -31,10 +30,10 @@ def read_3mf(data):
                 models[name] = ElementTree.fromstring(archive.read(name))
             return models[name]
 
-        def add(name, number, placed, depth=0):
+        def add(name, number, placed, inside=()):
             objects = model(name).iterfind("{*}resources/{*}object")
             thing = next((one for one in objects if one.get("id") == number), None)
-            if thing is None or depth > _DEEPEST:
+            if thing is None or (name, number) in inside:
                 raise ValueError(f"object {number} of {name} is missing or holds itself")
             if thing.get("type", "model") != "model":
                 left_out[f"its object {number} is a {thing.get('type')} and no part, and left out"] = None
@@ -46,7 +45,8 @@ def read_3mf(data):
                     f"its components repeat one another to more than {_MOST_TRIANGLES} triangles"
                 )
             for part in thing.iterfind("{*}components/*"):
-                add(_path_of(part, name), part.get("objectid"), _placing(part) @ placed, depth + 1)
+                place = _placing(part) @ placed
+                add(_path_of(part, name), part.get("objectid"), place, (*inside, (name, number)))
 
         relations = ElementTree.fromstring(archive.read("_rels/.rels"))
         roots = [one.get("Target") for one in relations if one.get("Type").endswith("/3dmodel")]

@@ -28,7 +28,6 @@ MOST_HELD = 8_000_000  # crossed triangles
 STREAMED = 300_000_000  # bytes; smaller files are read as a whole
 CROSSED = np.dtype([("corners", "f4", (3, 3)), ("first", "i4"), ("number", "u4")])
 _BLOCK = 40_000  # triangles read at once, two megabytes
-_BLOCKS_TOGETHER = 256
 
 
 def is_streamed(mesh, executor) -> bool:
@@ -57,7 +56,8 @@ def layers_of_file(path, heights, frame, fill, executor) -> list:
 def _crossed(path, count, heights, frame, executor):
     """The triangles crossed by the lowest planes, as many as fit, and these planes."""
     parts, starts = [], range(0, count, _BLOCK)
-    together = [starts[i : i + _BLOCKS_TOGETHER] for i in range(0, len(starts), _BLOCKS_TOGETHER)]
+    many = -(-MOST_HELD // _BLOCK)
+    together = [starts[i : i + many] for i in range(0, len(starts), many)]
     for some in bar(together, len(together), "reading"):
         read = partial(_crossing, path, heights, frame[2], count)
         if executor is None:

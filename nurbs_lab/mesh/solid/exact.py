@@ -33,8 +33,6 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Edge, TopoDS_Face, TopoDS_Shell, TopoDS_Vertex
 from OCP.TopTools import TopTools_HSequenceOfShape
 
-#: Units, the tolerance of vertices, edges and faces; of the size, how far a curve may be from its surfaces.
-_FINE = 1e-7
 _PLACES = 8, 400  # on a curve: at first, and at most
 
 
@@ -60,12 +58,12 @@ def shell_of(points, triangles, label, found, scale):
     for v, regions in around.items():
         places[v] = onto([surfaces[k] for k in sorted(regions)], points[[v]])[0]
         vertices[v] = TopoDS_Vertex()
-        builder.MakeVertex(vertices[v], _point(places[v] * scale[0] + scale[1]), 2.0 * _FINE)
+        builder.MakeVertex(vertices[v], _point(places[v] * scale[0] + scale[1]), 2.0 * oc.CONFUSION)
     for chain in chains:
         line, (first, last) = points[chain.vertices], chain.ends
         line[0], line[-1] = places[first], places[last]
         geometry, reach, off = _curve_along([surfaces[k] for k in chain.regions], line, first == last, scale)
-        edge, tolerance = TopoDS_Edge(), max(_FINE, 1.1 * off)
+        edge, tolerance = TopoDS_Edge(), max(oc.CONFUSION, 1.1 * off)
         builder.MakeEdge(edge, geometry, TopLoc_Location(), tolerance)
         for v, side in ((first, TopAbs_FORWARD), (last, TopAbs_REVERSED)):
             builder.Add(edge, vertices[v].Oriented(side))
@@ -88,12 +86,12 @@ def shell_of(points, triangles, label, found, scale):
 def _face(builder, geometry, edges):
     """The face on a whole surface that edges bound, which lies on the left of each."""
     if not edges:
-        return BRepBuilderAPI_MakeFace(geometry, _FINE).Face()
+        return BRepBuilderAPI_MakeFace(geometry, oc.CONFUSION).Face()
     face, given, wires = TopoDS_Face(), TopTools_HSequenceOfShape(), TopTools_HSequenceOfShape()
-    builder.MakeFace(face, geometry, _FINE)
+    builder.MakeFace(face, geometry, oc.CONFUSION)
     for edge in edges:
         given.Append(edge)
-    ShapeAnalysis_FreeBounds.ConnectEdgesToWires_s(given, _FINE, True, wires)
+    ShapeAnalysis_FreeBounds.ConnectEdgesToWires_s(given, oc.CONFUSION, True, wires)
     for wire in wires:
         builder.Add(face, wire)
     return face
@@ -108,14 +106,15 @@ def _curve_along(surfaces, line, closed, scale):
     at[1:-1] = onto(surfaces, at[1:-1])
     along = at[-1] - at[0]
     length = np.linalg.norm(along)
-    if not closed and (off := np.linalg.norm(np.cross(at - at[0], along / length), axis=1).max()) < _FINE:
+    off = np.inf if closed else np.linalg.norm(np.cross(at - at[0], along / length), axis=1).max()
+    if off < oc.CONFUSION:
         line = Geom_Line(_point(at[0] * size + centre), _direction(along))
         return line, (0.0, length * size), max(off, _off(surfaces, at)) * size
     middle, axis = circumcentres(at[[0, len(at) // 3, 2 * len(at) // 3] if closed else [0, len(at) // 2, -1]])
     x = at[0] - middle
     rho = np.linalg.norm(at - middle, axis=1)
     off = max(np.abs((at - middle) @ axis).max(), np.ptp(rho))
-    if off < _FINE:
+    if off < oc.CONFUSION:
         angle = np.arctan2(along @ np.cross(axis, x) / rho[0], (at[-1] - middle) @ x / rho[0])
         frame = gp_Ax2(_point(middle * size + centre), _direction(axis), _direction(x))
         reach = 2 * np.pi if closed else float(angle % (2 * np.pi))
@@ -127,7 +126,7 @@ def _spline_along(surfaces, at, closed, scale):
     while True:
         spline = interpolate_curve(at[:-1] if closed else at, 3, closed=closed)
         off = _off(surfaces, spline(np.linspace(*spline.domain, 4 * len(at) + 1)))
-        if off < _FINE or len(at) > _PLACES[1]:
+        if off < oc.CONFUSION or len(at) > _PLACES[1]:
             break
         finer = np.empty((2 * len(at) - 1, 3))
         finer[::2], finer[1::2] = at, onto(surfaces, (at[1:] + at[:-1]) / 2)

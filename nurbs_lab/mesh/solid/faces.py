@@ -8,7 +8,7 @@ import numpy as np
 from nurbs_lab.common.values import Value
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 
-ALONG = 33  # places along an edge, where the angle between its faces is measured
+ALONG = 33  # places along an edge, as of a mesh before its halves become edges of faces
 #: Kinds of exact faces, simplest first, and their names when there are several; then fitted ones.
 KINDS = {
     "plane": "planes",

@@ -136,8 +136,7 @@ class _Creases:
 
     def __init__(self, layout):
         chosen = np.flatnonzero(layout.sharp)
-        self.side, points = layout.sides[chosen, 0], layout.curves.shape[1]
-        self.points = layout.curves[chosen][:, np.linspace(0, points - 1, 17).astype(int)]
+        self.side, self.points = layout.sides[chosen, 0], layout.curves[chosen]
 
     def samples(self, patches):
         n = self.points.shape[1]

@@ -12,9 +12,8 @@ import numpy as np
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.core import tails_and_heads
 from nurbs_lab.mesh.solid import _kernels_layout, _kernels_ring, quads
+from nurbs_lab.mesh.solid.faces import ALONG
 from nurbs_lab.mesh.solid.features import Surfels
-
-_SAMPLES = 32  # steps along a sharp edge of the layout, and along each half of one that may be halved
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -117,7 +116,7 @@ def lay_out(mesh: Surfels, weight, most_cost) -> tuple[Layout, Chart]:
 
 def _curves(mesh, triangles, opposite, sharp, begin):
     """Points evenly spaced along the part of the mesh that every sharp half-edge stands for."""
-    curves = np.zeros((len(sharp), 2 * _SAMPLES + 1, 3))
+    curves = np.zeros((len(sharp), ALONG, 3))
     tails, heads = tails_and_heads(mesh.triangles)
     halves = np.flatnonzero(mesh.sharp)
     sums = np.bincount(tails[halves], halves, len(mesh.vertices)).astype(int)  # of the two leaving a vertex

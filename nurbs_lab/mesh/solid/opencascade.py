@@ -22,6 +22,7 @@ try:
     from OCP.gp import gp_Pnt, gp_Trsf, gp_Vec
     from OCP.GProp import GProp_GProps
     from OCP.IMeshTools import IMeshTools_MeshAlgoType, IMeshTools_Parameters
+    from OCP.Precision import Precision
     from OCP.ShapeAnalysis import ShapeAnalysis_FreeBounds
     from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
     from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
@@ -37,6 +38,7 @@ except ImportError as missing:
         'STEP, IGES and exact faces need OpenCASCADE; get it by: pip install "cadquery-ocp-novtk==7.9.*"'
     ) from missing
 
+CONFUSION = Precision.Confusion_s()  # 1e-7 units: OpenCASCADE's tolerance of vertices, edges and faces
 #: What OpenCASCADE raises. In Python none of them is a kind of another, nor of `Standard_Failure`.
 FAILURES = tuple(
     one
@@ -87,7 +89,7 @@ def _fill(array, values):
 
 def sewn(faces) -> list:
     """The shells that faces make which meet in equal edges."""
-    sewing = BRepBuilderAPI_Sewing(1e-6)
+    sewing = BRepBuilderAPI_Sewing()
     for face in faces:
         sewing.Add(face)
     sewing.Perform()
@@ -101,12 +103,12 @@ def capped_tube(tube):
     for crease in values[1:-1][counts[1:-1] >= rest.degrees[0]]:
         piece, rest = rest.split(crease)
         faces.append(piece)
-    faces = [BRepBuilderAPI_MakeFace(surface_of(one), 1e-7).Face() for one in (*faces, rest)]
+    faces = [BRepBuilderAPI_MakeFace(surface_of(one), CONFUSION).Face() for one in (*faces, rest)]
     builder, shell = BRep_Builder(), TopoDS_Shell()
     builder.MakeShell(shell)
     for face in faces:
         builder.Add(shell, face)
-    for wire in parts(ShapeAnalysis_FreeBounds(shell, 1e-6).GetClosedWires(), TopAbs_WIRE):
+    for wire in parts(ShapeAnalysis_FreeBounds(shell, CONFUSION).GetClosedWires(), TopAbs_WIRE):
         try:
             faces.append(BRepBuilderAPI_MakeFace(TopoDS.Wire_s(wire), True).Face())
         except FAILURES:

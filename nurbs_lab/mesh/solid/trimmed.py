@@ -13,8 +13,6 @@ from nurbs_lab.mesh.solid.regions import regions_of
 from nurbs_lab.nurbs import NurbsSurface
 
 _FINE = 0.05  # of the tolerance: triangles so near to the faces stand for them when distances are measured
-#: Units: size of parts, within the root of 10, and the least tolerance. OpenCASCADE works to 1e-7.
-_SIZE, _LEAST = 100.0, 1e-5
 _FINEST = 2e-6  # of the square root of the area: finer triangles of round faces take many minutes
 _SHARP = 1.0  # degrees: faces of CAD parts that meet at a smaller angle were made to touch
 
@@ -116,8 +114,8 @@ class TrimmedShell(Value):
 
 
 def unit_of(size):
-    """The power of ten, in mm, in which a part measures about `_SIZE`."""
-    return float(10.0 ** np.round(np.log10(size / _SIZE)))
+    """The power of ten, in mm, in which a part measures about a hundred: OpenCASCADE works to 1e-7."""
+    return float(10.0 ** (np.round(np.log10(size)) - 2.0))
 
 
 def _opencascade():
@@ -153,8 +151,6 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     unit = unit_of(size)
-    if tolerance < _LEAST * unit:
-        return None
     even = (points - centre) / size
     if not (regions := regions_of(even, triangles, sharp_angle)):
         return None
