@@ -50,6 +50,11 @@ def shown(value):
     return text if len(text) <= 80 else f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
+def shown_place(point):
+    """Text of a point in space: (1.5, 0, -2) mm."""
+    return f"({', '.join(f'{x:.4g}' for x in point)}) mm"
+
+
 def require_representable(name, order, derivatives):
     """ValueError if derivatives of a high order are larger than double precision holds."""
     if order > USUAL_ORDER and not np.isfinite(derivatives).all():

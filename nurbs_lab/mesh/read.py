@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_choice, as_file, as_floats, require_finite
+from nurbs_lab.common.checks import as_choice, as_file, as_floats, extent, require_finite
 from nurbs_lab.mesh.formats import shape_in
 from nurbs_lab.mesh.formats.shape import triangles_in
 
@@ -83,7 +83,7 @@ def read_file(path, unit=None):
 
 
 def _about_size(path, shape, points, unit):
-    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    size = extent(points)
     if unit is None and path.suffix.lower() == ".glb":
         yield "a GLB is in metres, so its numbers are taken times 1000; read it with unit='mm' if they are mm"
     elif unit is None and shape.unit is None and not _USUAL_SIZE[0] <= size <= _USUAL_SIZE[1]:

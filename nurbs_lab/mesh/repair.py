@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.spatial import cKDTree
 
-from nurbs_lab.common.checks import counted
+from nurbs_lab.common.checks import counted, extent, shown_place
 from nurbs_lab.mesh._kernels_core import AGAINST, BOUNDARY, MANY, rims
 from nurbs_lab.mesh.core import (
     bodies_of,
@@ -63,7 +63,7 @@ def closed_surfaces(graph) -> tuple[list[ClosedSurface], tuple[str, ...]]:
         says how many and where. If it encloses nothing.
     """
     repairs = []
-    size = float(np.linalg.norm(np.ptp(graph.vertices[graph.triangles].reshape(-1, 3), axis=0)))
+    size = extent(graph.vertices[graph.triangles])
     if not size > 1e-90:
         raise ValueError(f"mesh has a size of {size} mm; there is nothing to reconstruct")
     if graph.junk.any():
@@ -89,15 +89,11 @@ def _require_closed(graph):
     )
     counts = [(np.count_nonzero(wrong & (graph.kinds == kind)), text) for kind, text in reasons]
     said = "; ".join(f"{count} edges {text}" for count, text in counts if count)
-    place = _place(graph.vertices[graph.triangles.ravel()[wrong]].mean(axis=0))
+    place = shown_place(graph.vertices[graph.triangles.ravel()[wrong]].mean(axis=0))
     raise ValueError(
         f"mesh is not closed: {said}, around {place}; see nurbs_lab.mesh.check_mesh, mend it there "
         "or rebuild the mesh with nurbs_lab.mesh_from_points"
     )
-
-
-def _place(point):
-    return f"({', '.join(f'{x:.4g}' for x in point)}) mm"
 
 
 def _open_ends(graph):
@@ -216,7 +212,7 @@ def _fill(graph, size, repairs):
         line = tails[loop]  # along the hole, the mesh is on the other side
         if len(line) in _SPLITS:
             triangles.append(_flattest(graph.vertices, line, normals[np.roll(loop, -1) // 3]))
-        elif len(line) > 4 and np.linalg.norm(np.ptp(graph.vertices[line], axis=0)) <= _PINHOLE * size:
+        elif len(line) > 4 and extent(graph.vertices[line]) <= _PINHOLE * size:
             vertices.append(graph.vertices[line].mean(axis=0, keepdims=True))
             triangles.append(np.column_stack([line, np.roll(line, -1), np.full(len(line), count)]))
             count += 1
@@ -319,13 +315,13 @@ def _compared(surfaces, size, repairs):
     alone = owner[crossed] == owner[partner[crossed]]
     for some, text in ((crossed[alone], "a surface crosses itself"), (crossed[~alone], "bodies overlap")):
         if len(some):
-            place = _place(points[corners[some[0]]].mean(axis=0))
+            place = shown_place(points[corners[some[0]]].mean(axis=0))
             repairs.append(f"not mended: {text}, as around {place}; what lies in both counts twice")
     for one in [] if len(crossed) else [one for one in surfaces if not one.is_void]:
         larger = [other for other in surfaces if abs(other.volume) > one.volume]
         around = [b for b in larger if _inside(one.vertices[0], (b.vertices, b.triangles))]
         if sum(1 - 2 * b.is_void for b in around) > 0:
-            place = _place(one.vertices.mean(axis=0))
+            place = shown_place(one.vertices.mean(axis=0))
             repairs.append(
                 f"not mended: the body around {place} lies inside another and counts twice; turn its "
                 "triangles if it is a void"

@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
 
-from nurbs_lab.common.checks import as_floats, counted
+from nurbs_lab.common.checks import as_floats, counted, shown_place
 from nurbs_lab.common.progress import interruptible
 from nurbs_lab.mesh.cloud.indicator import closed_surface, moved_to
 from nurbs_lab.mesh.cloud.normals import NEIGHBOURHOODS, directions_of, outward
@@ -153,10 +153,9 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
         vertices, triangles, points, normals, np.sqrt(np.median(areas))
     )
     if holes:
-        place = ", ".join(f"{x:.4g}" for x in middle + size * place)
         repairs.append(
-            f"{counted(holes, 'hole')} closed, the widest about {size * width:.3g} mm, at ({place}) mm; "
-            f"no points are near {100 * share:.2g} % of the surface"
+            f"{counted(holes, 'hole')} closed, the widest about {size * width:.3g} mm, at "
+            f"{shown_place(middle + size * place)}; no points are near {100 * share:.2g} % of the surface"
         )
     mesh = trimesh.Trimesh(middle + size * vertices, triangles, process=False)
     mesh.metadata["report"] = _report(mesh, repairs)

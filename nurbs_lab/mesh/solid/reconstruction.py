@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
 
-from nurbs_lab.common.checks import as_choice, as_count, as_number, as_positive, counted, extent
+from nurbs_lab.common.checks import as_choice, as_count, as_number, as_positive, counted, extent, shown_place
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.threads import over_slices
 from nurbs_lab.common.values import Value
@@ -234,14 +234,13 @@ class Reconstruction(Value):
             same = counted(sum(shell.made_equal for shell in equal), "face")
             lines.append(f"axes and sizes of {same} made equal to others, by at most {change:.1g} mm")
         if deviation.max > self.tolerance:
-            place = ", ".join(f"{x:.4g}" for x in deviation.worst_place)
-            lines.append(f"the tolerance is missed, most at ({place}) mm")
+            lines.append(f"the tolerance is missed, most at {shown_place(deviation.worst_place)}")
         if folded:
             lines.append(f"{folded} faces fold over themselves: do not mill or exchange this solid")
         if len(self.crossings):
-            place = ", ".join(f"{x:.4g}" for x in self.crossings[0])
+            place = shown_place(self.crossings[0])
             lines.append(
-                f"faces pass through each other, as at ({place}) mm: do not mill or exchange this solid; "
+                f"faces pass through each other, as at {place}: do not mill or exchange this solid; "
                 "where walls of the mesh are thinner than the tolerance, give a smaller one"
             )
         lines += [text if text.startswith("not mended") else f"mended: {text}" for text in self.repairs]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_flag
+from nurbs_lab.common.checks import as_flag, extent
 from nurbs_lab.mesh.core import enclosed_volume, mesh_graph
 from nurbs_lab.mesh.distance import Deviation, Spread, crossing_triangles
 from nurbs_lab.mesh.repair import NO_VOLUME
@@ -57,7 +57,7 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False, capped
         )
     from nurbs_lab.mesh.solid import opencascade as oc
 
-    size = float(np.linalg.norm(np.ptp(tube.control_points.reshape(-1, 3), axis=0)))
+    size = extent(tube.control_points)
     unit = unit_of(size)
     shell = TrimmedShell.of(oc.capped_tube(tube.transform(np.eye(3) / unit)), unit, 0, False)
     mesh = _uncrossed(shell, size)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import trimesh
 
-from nurbs_lab.common.checks import as_positive
+from nurbs_lab.common.checks import as_positive, extent
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.distance import triangle_samples, triangle_tree
 from nurbs_lab.mesh.solid.faces import Face
@@ -149,7 +149,7 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
         return None
     points, triangles = part.vertices, part.triangles.astype(np.int64)
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
-    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    size = extent(points)
     unit = unit_of(size)
     even = (points - centre) / size
     if not (regions := regions_of(even, triangles, sharp_angle)):
