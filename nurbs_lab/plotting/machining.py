@@ -12,7 +12,18 @@ from nurbs_lab.machining.stock import as_stock
 from nurbs_lab.plotting.general import animation
 from nurbs_lab.plotting.solids import MATERIAL, triangles
 from nurbs_lab.plotting.stage import CLAY, frame, given_or_new, polylines, scene
-from nurbs_lab.plotting.style import BLUE, GREEN, GREY, ORANGE, PINK, SIGNED, canvas, takes_axes, takes_stage
+from nurbs_lab.plotting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    MAGNITUDE,
+    ORANGE,
+    PINK,
+    SIGNED,
+    canvas,
+    takes_axes,
+    takes_stage,
+)
 
 KINDS = {"cut": (BLUE, 1.0), "link": (ORANGE, 2.5), "plunge": (GREEN, 4.0), "rapid": (PINK, 1.5)}  # , width
 SPACING = 0.4  # mm between the points that are drawn
@@ -81,7 +92,9 @@ def reached(verification, part, *, stage=None, title=None):
 
 @takes_axes
 def remaining(simulation, part, *, limit, ax=None):
-    """Map of the material left on a part, seen from above: gouges are blue, remaining material is red.
+    """Map of the material left on a part, seen from above.
+
+    Where the part is gouged, the colours meet at zero: gouges are blue, remaining material is red.
 
     Parameters
     ----------
@@ -93,12 +106,13 @@ def remaining(simulation, part, *, limit, ax=None):
     left = simulation.remaining(part)
     left[np.isinf(left)] = np.nan
     x, y = simulation.field.nodes
-    words = f"map of the height left on the part, from -{limit:g} to {limit:g} mm"
+    least, cmap, beyond = (-limit, SIGNED, "both") if np.nanmin(left) < 0 else (0, MAGNITUDE, "max")
+    words = f"map of the height left on the part, from {least:g} to {limit:g} mm"
     with canvas(7.0, 5.0, ax, words=words) as (figure, ax):
         shown = ax.pcolormesh(
-            x, y, 1e3 * left.T, cmap=SIGNED, vmin=-1e3 * limit, vmax=1e3 * limit, rasterized=True
+            x, y, 1e3 * left.T, cmap=cmap, vmin=1e3 * least, vmax=1e3 * limit, rasterized=True
         )
-        figure.colorbar(shown, ax=ax, label="left on the part, vertically [µm]", extend="both")
+        figure.colorbar(shown, ax=ax, label="left on the part, vertically [µm]", extend=beyond)
         ax.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal")
     return figure
 

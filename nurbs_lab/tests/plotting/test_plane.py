@@ -143,3 +143,13 @@ def test_feed_shows_profile_limits_and_reasons(path):
     assert [one.get_ydata()[0] for one in acceleration.lines[1:]] == [40.0, -40.0]
     named = {t.get_text() for t in speed.get_legend().texts}
     assert named == {name.replace("_", " ") for name in path.feed.limited_by}
+
+
+def test_the_map_of_what_is_left_begins_at_zero_unless_the_part_is_gouged():
+    stock = np.array([(-5, -5, 0), (5, 5, 10.0)])
+    cut = nl.machining.Move("cut", nl.interpolate_curve([(-4, 0, 8), (4, 0, 8)], degree=1), 10.0)
+    milled = nl.simulate(nl.machining.Program([cut], nl.Cutter("flat", 4.0)), stock, 0.5)
+    for top, lowest in ((7.5, 0.0), (9.0, -2e3)):
+        part = trimesh.creation.box(bounds=[(-5, -5, 0), (5, 5, top)])
+        colours = plot.remaining(milled, part, limit=2.0).axes[0].collections[0]
+        assert colours.get_clim() == (lowest, 2e3)
