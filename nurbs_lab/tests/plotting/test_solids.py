@@ -153,3 +153,15 @@ def test_exact_faces_are_drawn_as_they_are_trimmed_in_the_colours_of_their_kinds
     assert len(picture.renderer.actors) >= 4  # planes, the cylinder, their rims, the legend
     bounds = np.array(nl.plotting.surface(made).bounds).reshape(3, 2)
     assert np.allclose(bounds, [[-5, 5], [-5, 5], [-10, 10]], atol=0.05)
+
+
+def test_sharp_edges_are_not_shaded_round():
+    box, ball = trimesh.creation.box(), trimesh.creation.icosphere()
+    pictures = (
+        [nl.plotting.mesh(body, edges=False) for body in (box, ball)],
+        [nl.plotting.layers([], mesh=body) for body in (box, ball)],
+    )
+    for drawn in pictures:
+        drawn = [stage.mesh.point_data["Normals"] for stage in drawn]
+        assert np.abs(drawn[0]).max(axis=1) == pytest.approx(1.0, abs=1e-6)  # those of the six faces
+        np.testing.assert_allclose((drawn[1] * ball.vertices).sum(axis=1), 1.0, atol=0.01)  # of the ball
