@@ -18,8 +18,8 @@ from nurbs_lab.mesh.solid.faces import ALONG, Face, kinds_of_faces, patch
 from nurbs_lab.mesh.solid.net import side_places
 from nurbs_lab.mesh.solid.patches import Patches
 from nurbs_lab.mesh.solid.refine import Fitted, build
-from nurbs_lab.mesh.solid.shell_triangles import shell_triangles
-from nurbs_lab.mesh.solid.trimmed import Measured, TrimmedShell, exact_shell
+from nurbs_lab.mesh.solid.shell_triangles import finest, shell_triangles
+from nurbs_lab.mesh.solid.trimmed import Measured, TrimmedShell, exact_shell, fine_enough
 from nurbs_lab.nurbs import NurbsSurface
 
 _INSIDE = 1e-9  # parameters at the ends of an edge, where two sides of a face may be in line
@@ -45,7 +45,6 @@ class Shell(Value):
     patches: Patches
     body: int
     is_void: bool
-    finest = 0.0  # `to_mesh` takes any tolerance
 
     @property
     def surfaces(self) -> tuple[NurbsSurface, ...]:
@@ -104,8 +103,16 @@ class Shell(Value):
         return float(np.linalg.norm(self.patches.area_vectors()[0], axis=-1).sum())
 
     def to_mesh(self, tolerance) -> trimesh.Trimesh:
-        """Closed triangle mesh whose triangles are within ``tolerance`` mm of the faces."""
-        return shell_triangles(self.patches, as_positive("tolerance", tolerance))
+        """Closed triangle mesh whose triangles are within ``tolerance`` mm of the faces.
+
+        ValueError below `finest`.
+        """
+        return shell_triangles(self.patches, fine_enough(self, tolerance))
+
+    @property
+    def finest(self) -> float:
+        """The least tolerance of `to_mesh`, mm: a finer one would need more than five million triangles."""
+        return finest(self.patches)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -356,7 +363,9 @@ def _crossings(parts, fits, shells, tolerance):
             continue
         fine = trimesh.util.concatenate(
             [
-                fits[k].fine if isinstance(fits[k], Measured) else shells[k].to_mesh(tolerance / 10)
+                fits[k].fine
+                if isinstance(fits[k], Measured)
+                else shells[k].to_mesh(max(tolerance / 10, shells[k].finest))
                 for k in mine
             ]
         )

@@ -98,7 +98,8 @@ def _refined(mesh, target, samples, within, most_faces, meets):
         if best is None or _score(fitted, within) < _score(best, within):
             fitted = _closely(fitted, target)
             if not meets:
-                fine = within if fitted.faulty.any() else within / 10  # patches that fold need many triangles
+                # finely where nothing else is wrong: bad patches need many triangles
+                fine = within / 10 if _score(fitted, within) == (0, SAFETY) else max(within, fitted.worst)
                 fitted = replace(fitted, faulty=fitted.faulty | crossed(fitted.patches, fine))
         vain += 1
         if best is None or _score(fitted, within) < _score(best, within):

@@ -21,9 +21,14 @@ def shell_triangles(patches: Patches, tolerance) -> trimesh.Trimesh:
     return trimesh.Trimesh(*_divided(patches, tolerance)[:2], process=False)
 
 
+def finest(patches: Patches) -> float:
+    """The tolerance for which about `_MOST_TRIANGLES` are needed."""
+    return float(2.0 * _cells(patches)[patches.layout.edges[:, :2]].prod(axis=1).sum() / _MOST_TRIANGLES)
+
+
 def crossed(patches: Patches, tolerance) -> np.ndarray:
-    """Patches of which triangles within ``tolerance`` pass through others, ``(faces,)``."""
-    points, triangles, owner = _divided(patches, tolerance)
+    """Patches of which triangles within ``tolerance``, or the finest, pass through others, ``(faces,)``."""
+    points, triangles, owner = _divided(patches, max(tolerance, finest(patches)))
     out = np.zeros(len(patches.net), dtype=bool)
     out[owner[crossing_triangles(points, triangles) >= 0]] = True
     return out
@@ -31,12 +36,7 @@ def crossed(patches: Patches, tolerance) -> np.ndarray:
 
 def _divided(patches, tolerance):
     """Points, triangles, and the patch of each triangle."""
-    cells = _cells(patches, tolerance)
-    total = 2.0 * cells[patches.layout.edges[:, :2]].prod(axis=1).sum()
-    if total > _MOST_TRIANGLES:
-        raise ValueError(
-            f"tolerance is {tolerance} mm, which needs more than {total:.3g} triangles; give a larger one"
-        )
+    cells = np.ceil(_cells(patches) / np.sqrt(tolerance)).clip(1)
     grids, count = number_grids(patches.layout, cells.astype(np.int64))
     points, triangles, owners = np.empty((count, 3)), [], []
     for faces, net in grids:
@@ -48,8 +48,8 @@ def _divided(patches, tolerance):
     return points, np.concatenate(triangles), np.concatenate(owners)
 
 
-def _cells(patches, tolerance):
-    """Numbers of cells along every edge.
+def _cells(patches):
+    """Numbers of cells along every edge for a tolerance of 1, not rounded; they grow as its root falls.
 
     Triangles inside a cell of h by k are within (h² |Suu| + 2 h k |Suv| + k² |Svv|) / 8 of the patch (Filip,
     Magedson and Markot 1986). Only the parts along the normal count, the largest of those at even places.
@@ -59,8 +59,8 @@ def _cells(patches, tolerance):
         np.abs(np.einsum("fabx,fabx->fab", patches.grid(_PLACES, *orders), normals)).max(axis=(1, 2))
         for orders in ((2, 0), (1, 1), (0, 2))
     )
-    wanted = np.ceil(np.sqrt(np.column_stack([uu + uv, vv + uv]) / (4.0 * SAFETY * tolerance)))
+    wanted = np.sqrt(np.column_stack([uu + uv, vv + uv]) / (4.0 * SAFETY))
     count, strip = components(len(patches.layout.sides), edges[:, :2].ravel(), edges[:, 2:].ravel())
-    cells = np.ones(count)
+    cells = np.zeros(count)
     np.maximum.at(cells, strip[edges[:, :2]], wanted)
     return cells[strip]

@@ -99,18 +99,21 @@ class TrimmedShell(Value):
 
         ValueError below `finest`.
         """
-        tolerance = as_positive("tolerance", tolerance)
-        if tolerance < self.finest:
-            raise ValueError(
-                f"tolerance is {tolerance:g} mm; give {self.finest:.2g} mm or more for this shell"
-            )
-        mesh = _opencascade().triangles_of(self._in_units, tolerance / self.unit)
-        return mesh.apply_scale(self.unit)
+        tolerance = fine_enough(self, tolerance) / self.unit
+        return _opencascade().triangles_of(self._in_units, tolerance).apply_scale(self.unit)
 
     @property
     def finest(self) -> float:
         """The least tolerance of `to_mesh`, mm: finer triangles of round faces take many minutes."""
         return _FINEST * np.sqrt(self.area)
+
+
+def fine_enough(shell, tolerance):
+    """A tolerance for the triangles of a shell, not below its `finest`."""
+    tolerance = as_positive("tolerance", tolerance)
+    if tolerance < shell.finest:
+        raise ValueError(f"tolerance is {tolerance:g} mm; give {shell.finest:.2g} mm or more for this shell")
+    return tolerance
 
 
 def unit_of(size):

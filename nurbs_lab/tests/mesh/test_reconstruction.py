@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import reconstruct, samples
+from nurbs_lab.mesh.solid import shell_triangles
 from nurbs_lab.mesh.solid.features import without_slivers
 from nurbs_lab.mesh.solid.shell_triangles import crossed
 from nurbs_lab.tests.mesh import shapes
@@ -89,6 +90,19 @@ def test_triangles_keep_their_tolerance(pair):
         assert triangles.is_watertight
         points = np.concatenate([surface.grid(t, t).reshape(-1, 3) for surface in made.surfaces[:40]])
         assert distances(triangles, points).max() <= tolerance
+
+
+def test_a_tolerance_too_fine_for_triangles_is_refused_where_it_is_given_only(monkeypatch):
+    monkeypatch.setattr(shell_triangles, "_MOST_TRIANGLES", 2000)
+    made = reconstruct(
+        trimesh.creation.icosphere(subdivisions=2, radius=10.0), tolerance=0.3, faces="patches"
+    )
+    least = made.shells[0].finest
+    assert made.within_tolerance
+    assert least > made.tolerance / 10
+    assert len(made.to_mesh().faces) == pytest.approx(2000, rel=0.2)
+    with pytest.raises(ValueError, match=f"tolerance is 0.001 mm; give {least:.2g} mm or more"):
+        made.to_mesh(0.001)
 
 
 def test_volume_and_area_are_those_of_the_mesh(pair):
