@@ -43,12 +43,12 @@ of the one or two that have them), and points off their neighbours' planes (3 of
 `points._AGAINST` is at most 0.05 where no side is wrong.
 
 Limits of work: `points._MOST`, `indicator._MOST_CELLS`, `_CELLS_A_POINT`, `contours._MANY`, `stl_blocks`
-(`MOST_HELD`, `STREAMED`, `_BLOCK`), `packages` (`_MOST_TRIANGLES`, `_MOST_BYTES`),
+(`MOST_HELD`, `STREAMED`, `_BLOCK`), `packages._MOST_BYTES`,
 `shape._MOST_CORNERS`, `_kernels_core.FEW`. Of rounding and of sense: `_kernels_distance.ROUNDING` (without it
 a rotated bone has 30 to 46 faces, not 30), `points._LEAST_POINTS`, `_HELD`, `normals._PLACES`,
 `indicator._REACH`, `repair.NO_VOLUME`, `shape._FOLDED`, `_NO_AREA`, `read._USUAL_SIZE`,
 `_kernels_core.SAME_ANGLE`. Definitions: `_kernels_core.BOUNDARY`, `MANY` and `AGAINST`, `core._BY_WEIGHT`,
-`contours._AXES`, `repair._SPLITS` and `samples.FROG_ORGANS`; of files `read.UNITS`, `READERS`, `_PLY_TYPES`,
+`repair._SPLITS` and `samples.FROG_ORGANS`; of files `read.UNITS`, `READERS`, `_PLY_TYPES`,
 `_OTHER_WORDS`, `RECORD`, `HEADER_BYTES`, `_TRIPLE`, `_FACET`, `_SOLID`, `_END`, `_FLOAT`, `_TRIANGLES`,
 `_STRIP`, `_WORDS`, `CROSSED`.
 """

@@ -9,8 +9,7 @@ import numpy as np
 
 from nurbs_lab.mesh.formats.shape import Shape
 
-_MOST_TRIANGLES = 100_000_000  # of a 3MF file whose components repeat one another
-_MOST_BYTES = 2**32  # of an unpacked part of a 3MF file
+_MOST_BYTES = 2**32  # of an unpacked part of a 3MF file, and of all that its components repeat
 _FLOAT, _TRIANGLES, _STRIP = 5126, 4, 5  # numbers of glTF
 _WORDS = {  # of glTF, beside those that all of its parts may have
     "nodes": "camera children skin matrix mesh rotation scale translation weights",
@@ -40,10 +39,8 @@ def read_3mf(data):
                 return
             if thing.find("{*}mesh") is not None:
                 parts.append(_3mf_mesh(thing.find("{*}mesh"), placed))
-            if sum(len(corners) for _, corners in parts) > 3 * _MOST_TRIANGLES:
-                raise ValueError(
-                    f"its components repeat one another to more than {_MOST_TRIANGLES} triangles"
-                )
+            if sum(corners.nbytes for _, corners in parts) > _MOST_BYTES:
+                raise ValueError(f"its components repeat one another to more than {_MOST_BYTES} bytes")
             for part in thing.iterfind("{*}components/*"):
                 place = _placing(part) @ placed
                 add(_path_of(part, name), part.get("objectid"), place, (*inside, (name, number)))

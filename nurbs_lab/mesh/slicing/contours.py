@@ -20,7 +20,6 @@ from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.slicing import _kernels
 
 _MANY = 20_000  # crossed triangles; fewer are not worth a second thread
-_AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -114,9 +113,9 @@ class Layer(Value):
 def axis_frame(axis) -> np.ndarray:
     """Right-handed frame ``(3, 3)``: two rows that span the planes, then the unit normal along ``axis``."""
     if isinstance(axis, str):
-        if axis not in _AXES:
+        if axis not in ("x", "y", "z"):
             raise ValueError(f"axis is {shown(axis)}; give 'x', 'y', 'z' or a direction of three numbers")
-        frame = np.eye(3)[list(_AXES[axis])]
+        frame = np.roll(np.eye(3), 2 - "xyz".index(axis), axis=0)
     else:
         normal = as_floats("axis", axis)
         if normal.shape != (3,) or not normal.any():

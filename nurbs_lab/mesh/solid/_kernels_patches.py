@@ -5,7 +5,6 @@ import numpy as np
 from nurbs_lab.common.kernels import compiled
 from nurbs_lab.mesh.solid.net import DEGREE
 
-N = DEGREE + 1  # control points along a side
 ROUNDS = 6  # of Gauss-Newton
 LONGEST = 0.3  # step of it in u or v
 
@@ -15,12 +14,12 @@ def bernstein(t, values, slopes):
     """The Bernstein polynomials and their derivatives at t."""
     values[:], slopes[:] = 0.0, 0.0
     values[0] = 1.0
-    for degree in range(1, N):
+    for degree in range(1, DEGREE + 1):
         for i in range(degree, 0, -1):
-            if degree == N - 1:
+            if degree == DEGREE:
                 slopes[i] = degree * (values[i - 1] - values[i])
             values[i] += t * (values[i - 1] - values[i])
-        if degree == N - 1:
+        if degree == DEGREE:
             slopes[0] = -degree * values[0]
         values[0] *= 1.0 - t
 
@@ -32,10 +31,10 @@ def tangents(net, u, v, work, out):
     bernstein(u, a, da)
     bernstein(v, b, db)
     out[:] = 0.0
-    for i in range(N):
+    for i in range(DEGREE + 1):
         for x in range(3):
             point = slope = 0.0
-            for j in range(N):
+            for j in range(DEGREE + 1):
                 point += b[j] * net[i, j, x]
                 slope += db[j] * net[i, j, x]
             out[0, x] += a[i] * point
@@ -46,7 +45,7 @@ def tangents(net, u, v, work, out):
 @compiled
 def nearest_places(nets, points, face, uv, gaps):
     """Move the (u, v) of points to the nearest places of their faces, by Gauss-Newton; the distances."""
-    work, s = np.empty((4, N)), np.empty((3, 3))
+    work, s = np.empty((4, DEGREE + 1)), np.empty((3, 3))
     for k in range(len(points)):
         u, v = uv[k]
         best = np.inf
