@@ -20,13 +20,11 @@ _TRUST (multistep), of a step           1e-4     see notebook 07, 5      largest
 
 _MOST (scurve) adds 30 cells for each corner: each of 1,000 equal corners takes 2.7 % longer than each of 20,
 with none 5.3 %, with 50 2.0 % and with 100 1.2 %; plans of 3,000 take 0.45, 1.6 and 2.8 times as long.
-_GROWTH (scurve), of a cell, is 0.03: half of it takes 430 to 600 parts in a million off paths of 10 and 100
-corners, in 1.05 to 1.4 times the time; twice adds 370 to 600, in 0.8 to 0.85 of the time.
-
 Without TURN an arc of 1.5 radians has 11 samples, and its plan takes 2.4 % longer than the closed form; with
 it 0.03 %.
 
-Others, on the butterfly without jerk, a polyline of 59 corners with jerk, and 300 lines as a program:
+Others: three numbers are of the butterfly without jerk, a polyline of 59 corners with jerk, and 300 lines as
+a program; of WHOLE the mean of 80 plans, of WINDOW the extremes of eight programs, the rest as shown:
 
 ======================================  =======  ======================  ======================
 constant (module)                       value    half                    twice
@@ -36,7 +34,29 @@ _FIRST_CELLS (scan), of a span          8        0, 0, -437; 1.0-1.1 x   -97, -1
 _SHORTEST_CELL (scurve)                 6e-5     0, +139, 0; 1.0 x       0, 0, 0; 1.0 x
 _FIRST (program), periods               500      0, 0, +50,655; 1.1 x    0, 0, -1,310; 1.0 x
 _PLACES (override), of a reversal       48       0, 0, 0; 0.95 x         0, 0, 0; 1.05 x
+_GROWTH (scurve), 10 to 100 corners     0.03     -600 to -430; 1.2 x     +370 to +600; 0.8 x
+WHOLE.per_ramp (scurve), cells          40       -57; 0.9 x              +21; 1.1 x
+WHOLE.fewest (scurve), cells            2000     +47; 1.0 x              +39; 1.0 x
+WHOLE.gap (scurve), of the time         1e-4     0; 1.0 x                0; 1.0 x
+WINDOW.per_period (scurve), cells       0.25     0                       -2,626 to +35
+WINDOW.per_ramp (scurve), cells         5        0                       -2,626 to +35
+WINDOW.fewest (scurve), cells           200      0                       0
+WINDOW.gap (scurve), of the time        3e-3     -272 to 0               0 to +345
+WINDOW.margin (scurve), of a limit      4e-3     -424 to 0; 1.8 plans    0 to +849; 0.7 x
+_WINDOW (program), 1,000 spans          16,000   +30,000                 0
+_KEPT (program), 1,000 spans            0.25     0; 1.1 x                -1,500; 1.4 x
+_SHORT (multistep), of coordinates      5e-7     holds err 3 x           slow sharp turns err 18 x
+_NEAR (multistep), of a step            0.5      errors 1 x              errors 8 x
+_FINER (certificate), the bound         8        -58 (median of 60)      +29; 1.8 x
+_GAP (_relaxation), the bound           3e-4     +93 (median of 30)      0
+_NEAR (_relaxation), the bound          0.1      0                       0
+_LONGER (_relaxation), the bound        6        0; 0.8 x                0; 1.3 x
+_FIRST (_relaxation), the bound         0.1      100                     100; of 1, 1 of 4 has none
 ======================================  =======  ======================  ======================
+
+_SHORT at 5e-6 takes 3.4 times the acceleration on slow sharp turns, and at 0 holds err by 5e-7 of a step.
+The hundredth of a step that `settle` adds to the last one: at half its value 3 of 360 paths that end at speed
+take a period too many, at twice none.
 
 At half and at twice of these none of 80 parts (60 random plans, 12 near-cusps, 8 polylines) lasts longer or
 shorter, in 0.96 to 1.04 of the time of planning; another value does this:
@@ -47,45 +67,23 @@ constant (module)                       value    another value
 JUMP (scan)                             1e-6     0: 3 are 4 to 19 % longer
 _MOST_CELLS (scan), in all, a span      2e4, 2e3 none is refused at half
 _NEGLIGIBLE (corners)                   1e-7     0: 8 are up to 19 % longer
-_APART (corners), of the length         1e-10    1e-14: none
-_SHORTEST (scurve), of the length       1e-9     1e-12, 1e-6: none
-_SLOWINGS (_scurve_problem), doublings  40       5, 400: none
+_APART (corners), of the length         1e-10    0: 3 of 16 polylines 0.5 to 2 % beyond a limit
+_SHORTEST (scurve), of the length       1e-9     0: 4 of 24 with jerks of 1e6 to 1e18 refused
 _ROUNDED (plan), of a speed             1e-7     1e-5: a chord error is exceeded by 6e-6
+_TOLERATED (plan), of a speed           1e-5     1e-7: windows take up to 5 % longer
+_ROUNDS (plan), motions                 16       4: a spline of sharp turns is refused
+STEPS (_scurve_problem)                 1000     60: a spline at 1e4 mm/s takes 1.5 % longer
 _ROUNDING (_verify), of the length      1e-13    0: a near-cusp of radius 6e-12 mm is refused
-CUSP (prepared_curve), of mean C'       1e-9     1e-13: none
-BESIDE_END (prepared_curve), of a span  1e-10    1e-13, 1e-7: none
+CUSP (prepared_curve), of mean C'       1e-10    0: 4 of 30 near-cusps are planned, not followed
+EQUAL_WITHIN (prepared_curve)           1e-6     0: 6 of 60 plans are not those of their curve
+_EQUAL (override), of a speed           1e-9     1e-6: speeds of overrides jump by as much
+_EXTRA (corrected), trials              2        0: first steps err by 3e-4 for 1e-7
+LARGEST (override), MOST_SAMPLES (feed) 2, 5e6   what commands and paths may ask for
 ======================================  =======  =============================================
 
-_SHORT 5e-6 (multistep) has no effect at half and twice. Without _EXTRA 2 (corrected), 'chord-corrected' with
-one trial errs by 3.6 in place of 2.5 parts in a million.
-A program of 1,000 spans at 3 mm/s² takes 3 % longer with half of _WINDOW 16,000 and the same with twice; the
-same with half of _KEPT 0.25 (1.1 x), 0.15 % less with twice (1.4 x); with equal pieces of 32, 64 or 128 spans
-in place of _SPANS 16 and _DOUBLINGS 5 it takes 3 to 8 % longer. Six others last as long but for 0.03 %.
-_NEAR 0.5 (multistep) has the same errors at half its value, and up to eight times as large ones at twice.
-WINDOW (scurve) is (0.25, 5, 200, 3e-3, 4e-3), WHOLE (4, 40, 2000, 1e-4, 1e-3). With the last, the margin, at
-1e-3 windows of waves are planned 2.2 times, at 2e-3 1.8 times, at 4e-3 once, lasting 1.4e-4 longer.
-The hundredth of a step that `settle` adds to the last one: at half its value 3 of 360 paths that end at speed
-take a period too many, at twice none.
-
-_TOLERATED (plan), a factor in speed, is 1 + 1e-5: with 1 + 1e-7 windows take up to 5 % longer.
-
-Of rounding are SHORTEST 1e-15 mm and AGREE 1e-6 (prepared_curve) and _EQUAL 1e-9 (override). Limits of work,
-memory and size are _ROUNDS 16 (plan; the same at half and twice, with 4 a spline of sharp turns is refused),
-_LONGER 6 (_relaxation), MOST_SAMPLES 5,000,000 (feed) and LARGEST 2 (override). STEPS 1000 (_scurve_problem)
-changes nothing at half and twice; with 60 a spline at 10,000 mm/s with jerks of axes takes 1.5 % longer, and
-at 1e9 mm/s 5 %.
-
-_FINER 8 (certificate): the bound without jerk is 60 parts in a million low on 35 curves (the median), with
-half of it 130, and with twice 26 in 1.9 times the time. Of the bound with jerk (_relaxation), _GAP 3e-4 is
-lost; _FIRST 0.1 at half and twice changes it by 1e-4, at ten times one of four plans, and at a hundredth two,
-are left without a bound; with FALL 0.05 instead of 0.2 it takes 1.5 to 1.9 times as long and differs by
-6e-5; _NEAR is 0.1, since looser early stages left one of eight plans unbounded.
-
-Definitions: the coefficients of formulas (BASHFORTH, MOULTON), how many points and slopes they take (_POINTS
-5, _SLOPES 4), quadratures (_NODES, _WEIGHTS), where `_verify` looks in a cell (_INSIDE), the steppers
-(STEPPERS, _STEPPERS, _ROWS), the kinds of them (TAYLOR, RUNGE_KUTTA, SLOPES, EXACT, MENDED, NEWER, PLUS,
-MINUS), the names of limits (NAMES, VECTOR, BY_SPEED, _LOWERED, KEPT), of the arrays of a scan
-(ROWS) and of files (_STORED).
+Definitions: _NODES, _WEIGHTS (quadrature), BASHFORTH, MOULTON, _POINTS, _SLOPES (formulas), _INSIDE (places
+in a cell), STEPPERS, _STEPPERS, _ROWS, TAYLOR, RUNGE_KUTTA, SLOPES, EXACT, MENDED, NEWER, PLUS, MINUS
+(steppers), NAMES, VECTOR, BY_SPEED, _LOWERED, KEPT (names of limits), ROWS (of arrays), _STORED (of files).
 
 Rules that were switched off in turn (2026-11), on 67 or 68 parts: random splines of degrees 1 to 5, kinks
 from 1e-9 to 1 rad, rasters, a rounded rectangle, a smoothed part, programs, the paper's curve and the

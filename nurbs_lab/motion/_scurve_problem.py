@@ -12,8 +12,6 @@ FALL = 0.2
 _NEAR = 0.3
 #: Newton steps of a stage at most: one that is cut short leaves the next ones no way to the least time.
 STEPS = 1000
-#: In slowing down, how often the weight of the barrier is doubled at most.
-_SLOWINGS = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +132,7 @@ class Block:
     def stretch_to(self, middle, weight, duration):
         """Slow a least-time motion down to a duration, in place: more weight on the room to the limits.
 
-        The weight is doubled at most `_SLOWINGS` times. Between the last motion that is too fast and the
+        The weight is doubled as long as that slows the motion. Between the last one that is too fast and the
         first that is too slow, which are near each other, lies the one sought.
         """
         from scipy.optimize import brentq
@@ -142,11 +140,9 @@ class Block:
         def lacking(motion):
             return duration - float(self.phases(motion)[0].sum())
 
-        slow = middle.copy()
-        for _ in range(_SLOWINGS):
-            if lacking(slow) <= 0.0:
-                break
-            middle[:] = slow
+        slow, before = middle.copy(), None
+        while lacking(slow) > 0.0 and not np.array_equal(slow, before):
+            middle[:] = before = slow.copy()
             weight *= 2.0
             self.centre(slow, weight)
         if lacking(middle) > 0.0 >= lacking(slow):

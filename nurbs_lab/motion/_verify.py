@@ -70,7 +70,7 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
     breaks, met = track.spans[0], profile.terms[1:, 0] - origin
     met = met[(met > 0.0) & (met < track.length)]
     if limits.soft and limits.axis_jerk is None:
-        met = met[::3].copy()  # of the three phases of a cell, along which only the jerk jumps
+        met = met[::3]  # of the three phases of a cell, along which only the jerk jumps
     ends = np.unique(np.concatenate([samples, breaks, track.parameters_at(met)]))
     seen = track, origin, limits, profile, by_chords
     wide = np.diff(ends) > 1e-12 * (breaks[-1] - breaks[0])  # in others rounding takes one side for the other

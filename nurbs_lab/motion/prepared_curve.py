@@ -10,14 +10,11 @@ from nurbs_lab.nurbs import NurbsCurve, span_kernels
 from nurbs_lab.nurbs.measure import ARC_TOLERANCE
 from nurbs_lab.nurbs.spans import find_breaks, span_table
 
-#: |C'| below this part of its mean counts as a cusp.
-CUSP = 1e-9
-#: About this part of the length of the span is left out at a double or triple end point, where C' vanishes.
-BESIDE_END = 1e-10
-#: Least length of a curve, in mm; shorter curves are refused.
-SHORTEST = 1e-15
-#: Lengths, periods, and points beside the size of their curve, agree that differ by no more than this part.
-AGREE = 1e-6
+#: |C'| below this part of its mean counts as a cusp; about this part of the length of the span is left out at
+#: a double or triple end point, where C' vanishes, and beyond it |C'| is larger.
+CUSP = 1e-10
+#: Lengths, periods, and points beside the size of their curve, are equal that differ by no more than this.
+EQUAL_WITHIN = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +54,7 @@ class Track:
     def parameters_at(self, lengths):
         """Parameters at lengths that do not fall."""
         found = np.empty(len(lengths))
-        span_kernels.invert(self.spans, self.panels, lengths, found)
+        span_kernels.invert(self.spans, self.panels, np.ascontiguousarray(lengths), found)
         return found
 
     def spans_at(self, u):
@@ -91,8 +88,8 @@ def prepare(curve):
     if np.ptp(curve.control_points, axis=0).max() > 0.0:
         panels = span_kernels.panel_table(spans, ARC_TOLERANCE, ends[0], ends[-1])
         length = panels[1][-1]
-    if not length > SHORTEST:
-        raise ValueError(f"curve has no length worth a motion: it is {length:g} mm long")
+    if not length > 0.0:
+        raise ValueError("curve has no length worth a motion: all its points are one")
     dips = _kernels.slowest_places(spans)
     slowest = dips[2].argmin()
     if dips[2][slowest] < CUSP * length / (ends[-1] - ends[0]):
@@ -112,7 +109,7 @@ def _beside_slow_ends(curve):
     for end, span in ((breaks[0], spans[0]), (breaks[-1], spans[-1])):
         slopes = curve.derivatives(end, curve.degree)[1:]
         order = 1 + (lengths(slopes) * span ** np.arange(curve.degree) >= least).argmax()
-        parts.append(span * BESIDE_END ** (1.0 / order) if order > 1 else 0.0)
+        parts.append(span * CUSP ** (1.0 / order) if order > 1 else 0.0)
     return np.concatenate([breaks[:1] + parts[0], breaks[1:-1], breaks[-1:] - parts[1]])
 
 

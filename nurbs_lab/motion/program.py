@@ -8,7 +8,7 @@ import numpy as np
 from nurbs_lab.common.checks import as_kind, as_not_negative, as_sequence, shown
 from nurbs_lab.motion.feed import concatenate
 from nurbs_lab.motion.plan import as_limits, fastest_profile, least_duration, refuse_ends
-from nurbs_lab.motion.prepared_curve import AGREE, prepare
+from nurbs_lab.motion.prepared_curve import EQUAL_WITHIN, prepare
 from nurbs_lab.motion.scan import join, scan
 from nurbs_lab.motion.scurve import WHOLE, WINDOW
 from nurbs_lab.nurbs import NurbsCurve
@@ -217,7 +217,7 @@ def _require_joined(before, curve, number):
         raise ValueError(f"curves[{number}] has {curve.dim} coordinates, those before have {before.dim}")
     end, start = before(before.domain[1]), curve(curve.domain[0])
     gap = np.linalg.norm(end - start)
-    if gap > AGREE * max(np.ptp(curve.control_points, axis=0).max(), np.abs(start).max() * 1e-6):
+    if gap > EQUAL_WITHIN * max(np.ptp(curve.control_points, axis=0).max(), np.abs(start).max() * 1e-6):
         raise ValueError(f"curves[{number}] begins {gap:.3g} mm off the end of the last; join them by a line")
 
 

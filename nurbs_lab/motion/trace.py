@@ -7,7 +7,7 @@ from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.feed import MOST_SAMPLES, FeedProfile, constant_feed
 from nurbs_lab.motion.override import apply_override
-from nurbs_lab.motion.prepared_curve import AGREE, prepare
+from nurbs_lab.motion.prepared_curve import EQUAL_WITHIN, prepare
 from nurbs_lab.motion.steppers.registry import Job, find_stepper, run
 from nurbs_lab.motion.toolpath import ToolPath
 from nurbs_lab.nurbs import NurbsCurve, span_kernels
@@ -91,12 +91,12 @@ def job_of(curve, feed, period_s, override=None):
         speed = as_positive("feed", feed)
         as_number("the time that feed takes", track.length / speed)
         feed = constant_feed(track.length, speed, period_s)
-    elif period_s is not None and abs(period_s - feed.period_s) > AGREE * feed.period_s:
+    elif period_s is not None and abs(period_s - feed.period_s) > EQUAL_WITHIN * feed.period_s:
         raise ValueError(
             f"period_s = {period_s:g} s is not that of the plan, {feed.period_s:g} s, which its limit of the "
             "chord error rests on; plan the feed with the period wanted, or leave period_s out"
         )
-    if abs(feed.length - track.length) > AGREE * track.length:
+    if abs(feed.length - track.length) > EQUAL_WITHIN * track.length:
         raise ValueError(
             f"feed covers {feed.length:.9g} mm but the curve is {track.length:.9g} mm long; "
             "plan the feed on this curve"
@@ -110,7 +110,7 @@ def job_of(curve, feed, period_s, override=None):
         )
     if override is not None:
         feed = apply_override(feed, override)
-        if feed.length < track.length * (1.0 - AGREE):  # aborted
+        if feed.length < track.length * (1.0 - EQUAL_WITHIN):  # aborted
             track = track.until(feed.length)
     return Job(track, feed, feed.period_s)
 
@@ -121,7 +121,7 @@ def _same_way(curve, planned):
         return curve is planned
     places = np.linspace(0.0, 1.0, 33)
     one, other = (c(c.parameter_at(places * c.length())) for c in (curve, planned))
-    return np.abs(one - other).max() <= AGREE * extent(other)
+    return np.abs(one - other).max() <= EQUAL_WITHIN * extent(other)
 
 
 def path_of(job, stepper, options):

@@ -30,7 +30,7 @@ from nurbs_lab.nurbs.span_kernels import find_span, gauss, parameter_at, point, 
 #: rounding of its point, divided by the cube of the distance, would spoil the differences.
 _NEAR = 0.5
 #: The same distance as a fraction of the largest coordinate: a shorter arc consists of rounding errors.
-_SHORT = 5e-6
+_SHORT = 5e-7
 #: A step over arc whose cubic ends with more than this fraction of it is made by the exact rule instead; a
 #: step by Runge-Kutta is, if the slope changes by more than the square root of this in half of it.
 _TRUST = 1e-4

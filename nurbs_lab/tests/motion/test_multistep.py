@@ -66,6 +66,15 @@ def test_a_step_of_history_over_arc_needs_one_point_and_on_sharp_curves_a_few_sl
     np.testing.assert_allclose(per_step, [1.0, 1.05, 0.0, 0.0], atol=0.1)
 
 
+def test_a_slow_path_around_sharp_turns_keeps_the_acceleration():
+    """Its history must be shorter than the turns: nodes 5e-6 of the curve's size apart took 1.16 of it."""
+    curve, period_s = nl.motion.benchmark_curves()["butterfly"].curve, 1e-3
+    speed = curve.length() / 10.0
+    feed = nl.plan_feed(curve, speed=speed, acceleration=speed / 4.0, period_s=period_s)
+    steps = np.diff(nl.trace(curve, feed, stepper="history-arc").points, 2, axis=0)
+    assert np.linalg.norm(steps, axis=1).max() <= 1.01 * speed / 4.0 * period_s**2
+
+
 @pytest.mark.parametrize("jerk", [False, True])
 @pytest.mark.parametrize("name", [name for name in nl.motion.software_steppers() if name != "rk4-plus"])
 def test_a_held_feed_moves_nothing_and_every_stepper_goes_on_after_it(name, jerk):
