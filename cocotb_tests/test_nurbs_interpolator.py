@@ -135,6 +135,8 @@ async def registers(dut):
     """What is not allowed is refused, and a run without a good curve ends at once with its flag."""
     machine = Machine(dut)
     await reset(dut)
+    for address in (CONTROL, STATUS, LOAD_LOW, LOAD_HIGH, LOAD_AT, CYCLES, CYCLES_HIGH):
+        assert await machine.read(address) == 0
     for address in (STATUS, CYCLES, SHAPE, CYCLES_HIGH, 0x20, LOAD_LOW + 1):
         assert await machine.write(address, 1) == AxiResp.SLVERR
     assert (await machine.bus.read(0x20, 4)).resp == AxiResp.SLVERR

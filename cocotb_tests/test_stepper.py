@@ -198,4 +198,8 @@ async def a_stop_is_answered_in_every_state(dut):
         u, _, void = await machine.points(stalls=0.5)
         assert void
         assert u == whole[:offered]
+    dut.go.value = dut.stop.value = 1  # together they begin nothing
+    await ClockCycles(dut.clk, 2)
+    assert dut.busy.value == 0
+    dut.go.value = dut.stop.value = 0
     await machine.check(plan)

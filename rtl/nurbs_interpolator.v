@@ -15,11 +15,12 @@
  *   0C LOAD_HIGH   the upper half; numbers have 64 bits in two's complement
  *   10 LOAD_AT     write {space[2:0], index[9:0]}: load the number there (spaces 0 to 5: stepper.v; 7: load_guard.v);
  *                  refused while busy, but for a bank that is open if SLOPE is 1
- *   14 CYCLES      cycles of the latest run, from go to the last beat taken: the lower half
+ *   14 CYCLES      cycles of the latest run, from go to the last beat taken, 0 before the first: the lower half
  *   18 SHAPE       {RATIONAL, MAX_POINTS[6:0], SLOPE[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]} as built
  *   1C CYCLES_HIGH the upper half
  *   20 OVERRIDE    if SLOPE is 1: the feed override, 0 (hold) to 256; above counts as 256, and so does forgetting
- * A refused or unknown access answers SLVERR, and so does a write of CONTROL with more than one bit.
+ * A refused or unknown access answers SLVERR, and so does a write of CONTROL with more than one bit. CONTROL and
+ * LOAD_AT read as 0.
  *
  * permit: the machine may move. When it falls, all is forgotten as by CONTROL = 2, so that no run goes on after a
  * stop. halt: while it is high, a run is aborted as by CONTROL = 4, and go is refused.
@@ -38,7 +39,7 @@
 `default_nettype none
 
 module nurbs_interpolator #(
-    // Width of a coordinate: odd, 17 to 35.
+    // Width of a coordinate: odd, 17 to 35, from 25 if SLOPE is 1.
     parameter WORD        = 35,
     // Dimension of the points: 2 or 3.
     parameter DIM         = 3,
@@ -200,6 +201,7 @@ module nurbs_interpolator #(
             refused <= refused || !loaded;
             cycles  <= 64'd0;
         end
+        if (rst) {cycles, number} <= 128'd0;
         if (rst || forget) begin
             ended   <= 1'b0;
             refused <= 1'b0;

@@ -13,7 +13,7 @@
  *           [3] too_far: an axis would move by more than the largest step, [4] beyond: an axis would leave its limits.
  *           A point that raises a flag, or comes after one, never leaves.
  *
- * go is sampled while busy is low. Points leave by a valid/ready handshake; last marks the final beat of a run. A run
+ * go is sampled while busy and stop are low. Points leave by a valid/ready handshake; last marks the final beat. A run
  * that a fault or a stop has ended ends with a beat marked void: it repeats the point before (zeros if there was
  * none), and nothing is to move. done is high for one cycle after the final beat has been taken, never with busy.
  * stop is sampled in every cycle of a run: no point that was not yet offered leaves after it.
@@ -208,7 +208,7 @@ module stepper #(
         if (stop && busy && state != CLOSE && state != DRAIN) begin
             state <= CLOSE;
         end else case (state)
-            IDLE: if (go) begin
+            IDLE: if (go && !stop) begin
                 state    <= STEP;
                 step     <= 32'd0;
                 starting <= 1'b1;

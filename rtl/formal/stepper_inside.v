@@ -4,7 +4,7 @@
     reg over = 1; // no beat of this run is still to come
     always @(posedge clk) begin
         told <= !rst && busy && (told || (stop && !(valid && last)));
-        over <= rst || (over ? !(go && !busy) : valid && ready && last);
+        over <= rst || (over ? !(go && !busy && !stop) : valid && ready && last);
     end
     // A point that raises a flag never leaves: what the cycle before said of the beat that is new.
     reg       rst_was = 1, valid_was = 0, ready_was = 0, wrong_was = 0;
