@@ -42,7 +42,7 @@ points (7), `normals.NEIGHBOURHOODS` of three sizes (4), small bodies (3), point
 of the one or two that have them), and points off their neighbours' planes (3 of 8 noisy hollow boxes).
 `points._AGAINST` is at most 0.05 where no side is wrong.
 
-Limits of work: `points._MOST`, `indicator._MOST_CELLS`, `_CELLS_A_POINT`, `contours._MANY`, `stl_blocks`
+Limits of work: `points._MOST`, `indicator._MOST_CELLS`, `contours._MANY`, `stl_blocks`
 (`MOST_HELD`, `STREAMED`, `_BLOCK`), `packages._MOST_BYTES`,
 `shape._MOST_CORNERS`, `_kernels_core.FEW`. Of rounding and of sense: `_kernels_distance.ROUNDING` (without it
 a rotated bone has 30 to 46 faces, not 30), `points._LEAST_POINTS`, `_HELD`, `normals._PLACES`,

@@ -14,8 +14,7 @@ from scipy.spatial import cKDTree
 from nurbs_lab.mesh.core import enclosed_volume, vertex_normals
 
 _CELL = 0.75  # of the grid, and standard deviation of the normals' blur, in spacings of the points
-_MOST_CELLS = 8_000_000
-_CELLS_A_POINT = 500
+_MOST_CELLS = 8e6
 _LEVELLING = 2.0  # standard deviation of the correction of the values at the points, in spacings
 _NEAR = 20  # points that a vertex is moved towards
 _REACH = 0.475  # of the farthest of them: 1.2 spacings
@@ -26,8 +25,7 @@ def closed_surface(points, normals, areas):
     spacing = np.sqrt(np.median(areas))
     margin = 2.0 * _LEVELLING * spacing  # of the grid, so that no blur comes round to the other side
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
-    most = min(_MOST_CELLS, _CELLS_A_POINT * len(points))
-    cell = max(_CELL * spacing, (np.prod(high - low) / most) ** (1.0 / 3.0))
+    cell = max(_CELL * spacing, np.cbrt(np.prod(high - low) / _MOST_CELLS))
     values = _indicator((points - low) / cell, normals, areas / cell**2, spacing / cell, (high - low) / cell)
     vertices, triangles = _contour(values)
     return low + cell * vertices, triangles

@@ -69,7 +69,7 @@ connected sharp edges.
 
 Limit of work that none of these parts reaches: `quadrics._STEPS`. Of sense, of rounding and of OpenCASCADE:
 `exact._PLACES`, `opencascade.CONFUSION`, `trimmed._FINE`, `_FINEST`, `_SHARP`, `skinned._FINE`,
-`opencascade_reader.WHOLE`, `reconstruction._INSIDE`, and of `shell_triangles` `_PLACES` and
+`opencascade_reader.WHOLE`, and of `shell_triangles` `_PLACES` and
 `_MOST_TRIANGLES`. Places where edges are measured: `faces.ALONG`. Definitions: `net.DEGREE`, `fit.PENALTY`;
 kinds of vertices `FREE`, `ON_CURVE`, `CORNER` and `MOST_NEIGHBOURS` of rings; `ROUNDS` and `LONGEST` of
 Newton's method; `grids._HALVES`, `opencascade.FAILURES`, `quads._PIECES`, `WAYS`, `faces.KINDS`,

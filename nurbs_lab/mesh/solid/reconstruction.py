@@ -22,8 +22,6 @@ from nurbs_lab.mesh.solid.shell_triangles import finest, shell_triangles
 from nurbs_lab.mesh.solid.trimmed import Measured, TrimmedShell, exact_shell, fine_enough
 from nurbs_lab.nurbs import NurbsSurface
 
-_INSIDE = 1e-9  # parameters at the ends of an edge, where two sides of a face may be in line
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Shell(Value):
@@ -81,8 +79,7 @@ class Shell(Value):
 
         The surfaces themselves are evaluated, at both ends of the edge too.
         """
-        t = np.linspace(0.0, 1.0, ALONG).clip(_INSIDE, 1.0 - _INSIDE)
-        u, v = side_places(np.arange(4), t).T
+        u, v = side_places(np.arange(4), np.linspace(0.0, 1.0, ALONG)).T
         slopes = [
             [surface.derivative(u, v, order) for order in ((1, 0), (0, 1))] for surface in self.surfaces
         ]
