@@ -5,7 +5,8 @@ Constants that steer programs, and what half and twice their value change (2026-
 cutter of 6 mm, step 2. The first number is the length outside rapid moves, the second the number of moves,
 both in per cent; ramps are among them. Nothing was gouged, nor more left than the scallop, unless it is said.
 Of a scan of 30 mm (the spleen, scallop 0.1, of which 1.13 are left) are the rows with one star, of a wavy
-block of 20 mm (scallop 0.05) those with two, of a pocket of 10 x 12 mm (cutter 5 mm, 0.1 mm left) the others.
+block of 20 mm (scallop 0.05) those with two, of a pocket of 10 x 12 mm (cutter 5 mm, 0.1 mm left) those with
+three; a plus is the mean of 16 to 21 programs of 10 parts, five of them CAD; of verify there are ten.
 
 =======================================  =======  =============  =============
 constant (module)                        value    half           twice
@@ -14,7 +15,7 @@ CUSP (finish), of the scallop            0.65     +35, +39 *     at 0.95 -6, +3 
 SAMPLES (finish), of the step-over       0.125    +1, +16 *      +2, +7 *; 1.38 scallops are left
 FINEST_SAMPLES (finish), diameters       1/80     at 1/64 1.007 of 0.03 left; 1/128 1.6 x a flat's time
 FIT (fit), of the tolerance              0.4      0, 0           at 0.48 +5, +8
-SHORTEST (fit), tolerances               0.1      0, 0           -1, +1
+SHORTEST (fit), tolerances               0.1      0, 0 +         0, 0 +
 LOSS (fit), of the tolerance             0.08     +1, -2 *       +35, +128 *
 SPLIT (passes), degrees                  45       30: +1, +42    60: +11, -41
 CLIFF (passes), degrees                  75       60: -6, +3     85: +14, -30
@@ -47,26 +48,29 @@ FINE (rough), tolerances a diameter      120      -8, -59 ***    0, 0 ***; RIM (
 SKIN (rough), thicknesses of a skin      8        0, 0           a skin of 0.45 mm stays on a box, by 12 mm
 FINEST (rough), diameters                0.125    0, 0           a skin of 1.7 mm stays on a box, by 100 mm
 SLACK (rough), of the step down          0.05     -8, -6 *       +33, +6 ***; of the plate 0, 0
+STEEP (search), slope                    4        0, 0 *         0, 0 *
+PUSHED (search), radii                   2e-5     0, -1 +        0, -1 +
+RAISES (link), points of a link          289      0, 0 +; 0.9 x  0, 0 +; 1.05 x the time
+WITHIN (part), of sizes and normals      1e-6     0, 0 +         0, 0 +; at 0 +3, +15, and one is refused
+TOGETHER_MM (program)                    1e-9     0, 0 +         0, 0 +; at 0 +1, +6
+ROUNDING, _ROUNDS (contact)              1e-12,60 0, 0 +         0, 0 +
+INSIDE (stock), cells                    0.01     0, 0           0, 0; at 0 8 of 10 stocks of 32 bits refused
+TIP_SPACING (stock), cells               0.5      0, 0 +; 1.1 x  0, 0 +; 1.0 x the time
+WARN_CELLS (simulate), a diameter        16       0, 0 +         0, 0 +
+SPACING (verify), diameters              0.006    1.5 x time     gouges up to 5 % less deep; 0.85 x the time
+TIMES (verify), a control point          10       the same       gouges up to 0.7 % deeper; 1.2 x the time
+SAMPLES (verify), diameters              0.03     2.7 x time     26 % less to 1 % more left; 0.7 x the time
+LEAST_SAMPLES (verify), of a part        2e4      0, 0           6 % more left on small parts; 1.1 x the time
+MOST_SAMPLES (verify), of a part         2.5e6    0, 0           0, 0; met from 0.08 m² on with a ball of 6 mm
+TESSELLATION (part), mm                  1e-3     5e5 triangles  1.3e5, not 5e5 of a torus of radii 2 and 1 mm
+MOST_NODES, MOST_OF_TIPS (field)         5e7, 5e6 0, 0           0, 0; of 8 and 500 bytes, more are refused
+MOST_SAMPLES (surface), MOST_LEVELS      1e7, 2e3 0, 0           0, 0; more are refused
+MOST_CELLS (stock)                       4e6      0, 0           0, 0; cells of wide stocks are larger
 =======================================  =======  =============  =============
 
-Limits of work and of memory; the first changes nothing at half and at twice, at the others an error is
-raised, cells become larger, or a search ends: RAISES 289 points of a link; ROUNDS (fit) 5; TOGETHER 16 paths
-(fit), 65,536 samples (surface); HALVINGS 30 and _ROUNDS 60, where bisection and Newton's method are at
-rounding; MOST_NODES 5e7 and MOST_OF_TIPS 5e6 (field), of 8 and 500 bytes; MOST_LEVELS (rough) 2,000;
-MOST_CELLS (stock) 4e6; MOST_SAMPLES 1e7 (surface) and, by default, 2.5e6 (verify); WARN_CELLS 16 a diameter
-(simulate), as coarse as contacts still show.
-
-Of rounding are ROUNDING 1e-12 of coordinates, ABOVE (rough) 1e-6 diameters, UPRIGHT 1e-9 and UNDERCUT 1e-6 of
-a unit normal, LEVEL (passes) 1e-7, BESIDE (surface) 1e-6 mm, FINEST (finish) 1e-6 of the part, INSIDE (stock)
-0.01 cells, TOGETHER_MM 1e-9 mm, PUSHED 2e-5 of the radius, and STEEP 4, the slope beyond which heights are
-not told apart (of * 0, 0). TESSELLATION of NURBS parts is 1e-3 mm: a torus of radii 2 and 1 mm has 5e5
-triangles, as many at half, and 1.3e5 at twice.
-
-Spacings of the instruments: TIP_SPACING (stock) 0.5 cells; SPACING 0.006 and SAMPLES 0.03 diameters, but
-LEAST_SAMPLES 2e4 on a part, and TIMES 10 a control point (verify). Definitions: HALF, half the diagonal of a
-cell; NEEDLE, a cutter without width; ROBERTS, of the sequence R2; MACHINE, the limits of a small machine;
-_LINE, _LINK, _BASIS, _STRAIGHT and _RAISED, the splines of links (without the straight ones the program of
-the scan takes 9 % longer, with them alone too); and the names in KINDS and CONTACTS.
+Definitions: HALF (half the diagonal of a cell), NEEDLE (a cutter without width), ROBERTS (the sequence R2),
+MACHINE (a small machine), _LINE, _LINK, _BASIS, _STRAIGHT, _RAISED (splines of links; without the straight
+ones a scan takes 9 % longer, with them alone too), KINDS and CONTACTS (names).
 """
 
 from nurbs_lab.machining.cutter import Cutter

@@ -16,8 +16,7 @@ import numpy as np
 
 from nurbs_lab.common.kernels import inlined, kernel
 
-UPRIGHT = 1e-9  # a facet whose unit normal has a smaller z is vertical: contact is with its edges only
-ROUNDING = 1e-12  # relative rounding error allowed for in bounds
+ROUNDING = 1e-12  # relative rounding error: allowed for in bounds, and in the z of a vertical unit normal
 _ROUNDS = 60
 
 
@@ -46,7 +45,7 @@ def over_facet(body, f, x, y, shape):
     nx, ny, nz = n[f, 0], n[f, 1], n[f, 2]
     if nz < 0.0:
         nx, ny, nz = -nx, -ny, -nz
-    if nz < UPRIGHT:
+    if nz < ROUNDING:  # vertical: contact is with its edges only
         return -np.inf
     square = nx * nx + ny * ny
     reach, up = r + a / np.sqrt(square) if a > 0.0 and square > 0.0 else r, r * square / (1.0 + nz)
@@ -79,7 +78,7 @@ def over_edge(body, f, k, x, y, shape, best):
     x0, y0, z0 = p[f, i] - x, p[f, i + 1] - y, p[f, i + 2]
     dx, dy, dz = p[f, j] - p[f, i], p[f, j + 1] - p[f, i + 1], p[f, j + 2] - z0
     length = np.sqrt(dx * dx + dy * dy)
-    if length <= 1e-12 * dz or length == 0.0:
+    if length <= ROUNDING * dz or length == 0.0:
         d = np.sqrt((x0 + dx) ** 2 + (y0 + dy) ** 2)
         return z0 + dz - rise(d, shape) if d <= w else -np.inf
     start = (x0 * dx + y0 * dy) / length

@@ -4,11 +4,10 @@ import numpy as np
 
 from nurbs_lab.common.box_tree import LEAF
 from nurbs_lab.common.kernels import ZERO, compiled, kernel
-from nurbs_lab.machining._kernels_contact import inside, may_stop, over_triangle
+from nurbs_lab.machining._kernels_contact import ROUNDING, inside, may_stop, over_triangle
 
 PUSHED = 2e-5  # fraction of the radius: how precisely a cutter is pushed against the part
 STEEP = 4.0  # heights farther from the level than by this slope are not told apart
-HALVINGS = 30  # of a depth
 
 
 @kernel
@@ -160,7 +159,7 @@ def depths(tips, body, shape, out):
     for i in range(len(tips)):
         x, y = tips[i, 0], tips[i, 1]
         low, high = 0.0, w
-        for _ in range(HALVINGS):
+        while high - low > ROUNDING * w:
             less = 0.5 * (low + high)
             flat, corner, up = a + min(r - less, 0.0), max(r - less, 0.0), less
             if c < np.inf:  # the side moves inwards by its own normal, and ends in a point at last

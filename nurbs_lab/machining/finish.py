@@ -10,7 +10,7 @@ from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import body_contacts
 from nurbs_lab.machining.fit import Fitting, fit_paths
 from nurbs_lab.machining.link import ways_over
-from nurbs_lab.machining.part import prepare_part
+from nurbs_lab.machining.part import WITHIN, prepare_part
 from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.program import MACHINE, Program
 from nurbs_lab.machining.stock import as_stock, material_of, require_inside
@@ -19,7 +19,6 @@ from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
 
 CUSP = 0.65  # fraction of the scallop: height of cusps on a plane between the first passes
-FINEST = 1e-6  # fraction of the part's size: smallest tolerance
 SAMPLES = 0.125  # fraction of the step-over: spacing of the samples on which the remainder is measured
 FINEST_SAMPLES = 1 / 80  # fraction of the diameter: their least spacing
 
@@ -96,7 +95,7 @@ def finish(
     if tolerance >= 0.8 * scallop:
         raise ValueError(f"tolerance must be less than 0.8 of the scallop {scallop}, got {tolerance}")
     part.require_closed()
-    least = FINEST * extent(part.bounds)
+    least = WITHIN * extent(part.bounds)
     if tolerance < least:
         raise ValueError(
             f"tolerance must be at least {least:.3g} mm for a part of this size, got {tolerance:g}"

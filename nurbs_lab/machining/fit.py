@@ -1,6 +1,5 @@
 """Cubic curves through cutter locations, within the tolerance of the part and never gouging it."""
 
-import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,11 +12,9 @@ from nurbs_lab.machining.part import Part
 from nurbs_lab.nurbs import NurbsCurve
 from nurbs_lab.nurbs.along import lengths_along, spline_along, spline_changed
 
-ROUNDS = 5  # of insertion; each quarters the steps that fail their check
 LOSS = 0.08  # fraction of the tolerance: possible loss of clearance between checked points
 SHORTEST = 0.1  # tolerances: smallest distance of inserted cutter locations
 FIT = 0.4  # fraction of the tolerance: largest distance of the spline from the locations
-TOGETHER = 16  # paths in one item of work for a thread
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,31 +133,33 @@ def fit_paths(fitting, paths):
 
     The cutter locations belong to a cutter enlarged by half the tolerance, so a spline that stays within half
     the tolerance of the exact path does not gouge. The fit guarantees this at the locations. Where a check
-    between them fails, exact locations are inserted; the spline changes, and is checked again, near them
-    only. Where the check fails even then, the exact path jumps, as at a vertical wall; the path is split
-    there. Level paths that ``leave`` so much on the part may be any distance from it.
+    between them fails, exact locations are inserted, as long as there are any; the spline changes, and is
+    checked again, near them only. Where the check fails even then, the exact path jumps, as at a vertical
+    wall; the path is split there. Level paths that ``leave`` so much on the part may be any distance from it.
     """
     if not paths:
         return []
     tolerance = fitting.tolerance
-    paths = _together(lambda path: path.fitted(FIT * tolerance), paths)
+    paths = over_slices(lambda path: path.fitted(FIT * tolerance), paths, "fitting")
     bad = fitting.wrong(paths, [np.ones(len(path.points) - 1, bool) for path in paths])
-    for _ in range(ROUNDS - 1):
-        long = [
-            some & (lengths(np.diff(path.points, axis=0)) > 4.0 * SHORTEST * tolerance)
-            for path, some in zip(paths, bad, strict=True)
-        ]
-        again = [k for k, some in enumerate(long) if some.any()]
-        if not again:
-            break
-        old, long = [paths[k] for k in again], [long[k] for k in again]
-        new = _together(
-            lambda path, at, points: path.with_more(at, points, tolerance), old, *fitting.locations(old, long)
-        )
+
+    def long(some):
+        """Steps of some paths that fail their check and are long enough to be divided."""
+        least = 4.0 * SHORTEST * tolerance
+        found = {k: bad[k] & (lengths(np.diff(paths[k].points, axis=0)) > least) for k in some}
+        return {k: steps for k, steps in found.items() if steps.any()}
+
+    again = long(range(len(paths)))
+    while again:
+        old, grown = [paths[k] for k in again], []
+        more = list(zip(old, *fitting.locations(old, list(again.values())), strict=True))
+        new = over_slices(lambda one: one[0].with_more(*one[1:], tolerance), more, "fitting")
         found = fitting.wrong([path for path, *_ in new], [changed for _, changed, _ in new])
         for k, (path, changed, before), some in zip(again, new, found, strict=True):
             some[before] |= bad[k] & ~changed[before]
+            grown += [k] * (len(path.points) > len(paths[k].points))
             paths[k], bad[k] = path, some
+        again = long(grown)
     pieces = []
     for path, some in zip(paths, bad, strict=True):
         if some.any():  # beside a jump the spline need not pass through the location
@@ -171,11 +170,3 @@ def fit_paths(fitting, paths):
         else:
             pieces.append(path)
     return pieces
-
-
-def _together(function, *lists):
-    """The results of a function of one item of each list, on all cores."""
-    items = list(zip(*lists, strict=True))
-    some = [items[k : k + TOGETHER] for k in range(0, len(items), TOGETHER)]
-    done = over_slices(lambda items: list(itertools.starmap(function, items)), some, "fitting")
-    return list(itertools.chain.from_iterable(done))

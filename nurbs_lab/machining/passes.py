@@ -12,13 +12,13 @@ from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField, tip_field
 from nurbs_lab.machining.fit import Path
+from nurbs_lab.machining.part import WITHIN
 from nurbs_lab.machining.waterlines import runs, waterlines
 
 SPLIT = np.radians(45.0)  # slope between raster (below) and waterlines (above)
 CLIFF = np.radians(75.0)  # the raster leaves out steeper slopes
 RISE = 0.45  # tolerances: of waterlines from contact with level faces, and from lower ones left out for them
 GAP = 1.0  # diameters: shorter gaps in a waterline are cut too, so that the tool stays down
-LEVEL = 1e-7  # relative: a face whose heights, or whose normal's height from 1, differ by less is level
 LEVEL_STEP = 1.2  # radii of the flat disc: distance of passes over level faces
 GRID = 24  # nodes of the grid along a diameter, at most
 WIDTH = 0.5  # step-overs: distance of its nodes
@@ -46,11 +46,11 @@ def step_over(cutter, scallop):
 
 def level_faces(part, cutter):
     """Heights of the level faces of a part that face up and are no smaller than the square of the cutter."""
-    up = part.normals[:, 2] * np.sign(part.volume) > 1.0 - LEVEL
-    digits = np.abs(part.bounds).max() * LEVEL
-    keys, place = np.unique(np.rint(part.tree.corners[up, 2] / digits), return_inverse=True)
-    areas = np.bincount(place, 0.5 * np.linalg.norm(part.tree.normals[up], axis=1), len(keys))
-    return keys[areas > cutter.diameter**2] * digits
+    up = part.normals[:, 2] * np.sign(part.volume) > 1.0 - WITHIN
+    heights, digits = part.tree.corners[up, 2], np.abs(part.bounds).max() * WITHIN
+    _, first, place = np.unique(np.rint(heights / digits), return_index=True, return_inverse=True)
+    areas = np.bincount(place, 0.5 * lengths(part.tree.normals[up]), len(first))
+    return heights[first][areas > cutter.diameter**2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ class Layout:
         steep = np.full(self.slope.shape, np.inf)
         np.minimum.at(steep, self.field.index(tips[:, :2]), np.arccos(normals[:, 2].clip(0.0, 1.0)))
         steep = np.where(np.isinf(steep), minimum_filter(steep, 3), steep)
-        steep[np.isinf(steep) | (steep <= SPLIT) | (self.slope <= LEVEL)] = 0.0
+        steep[np.isinf(steep) | (steep <= SPLIT) | (self.slope <= WITHIN)] = 0.0
         return replace(self, slope=np.maximum(self.slope, steep))
 
     def paths(self, tips):
@@ -80,7 +80,7 @@ class Layout:
         slope, wanted = self.slope, self._near(tips)
         paths = self._waterlines(wanted & (slope > SPLIT), self._levels(), first=True)
         disc, far = self.cutter.flat_radius, LEVEL_STEP * self.cutter.flat_radius
-        level = (slope <= LEVEL) & (far > self.step)  # the disc covers what is between passes
+        level = (slope <= WITHIN) & (far > self.step)  # the disc covers what is between passes
         gentle = (slope <= SPLIT) & ~level
         for some, apart, wide in ((level, far, disc), (gentle, self.step * np.cos(SPLIT), 0.0)):
             size = 1 + int(wide / self.field.step)

@@ -6,17 +6,17 @@ import numpy as np
 
 from nurbs_lab.common.box_tree import tree_along
 from nurbs_lab.common.checks import lengths
-from nurbs_lab.common.threads import over_blocks, over_slices
+from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.machining import _kernels_sweep as kernels
+from nurbs_lab.machining._kernels_contact import ROUNDING
 from nurbs_lab.machining.drop import NEEDLE, Contact
 from nurbs_lab.machining.field import require_size
+from nurbs_lab.machining.part import WITHIN
+from nurbs_lab.machining.program import TOGETHER_MM
 
-BESIDE = 1e-6  # mm: distance from vertical walls, so that rounding does not lift the cutter onto them
 MOST_SAMPLES = 1e7
-TOGETHER = 65536  # samples that are made at once
 ROBERTS = np.array([[0.7548776662466927], [0.5698402909980532]])  # 1 / g and 1 / g**2, g**3 = g + 1
 VALLEY = 1.0  # steps of a grid: so much lower a tip near a node is in a valley that the grid misses
-UNDERCUT = 1e-6  # a unit normal that points down by more belongs to an undercut
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ def sample_surface(part, spacing) -> Samples:
     so that neighbours are close together. Inside the triangles they are points of Roberts' sequence R2.
     """
     outward = part.normals * np.where(part.volume < 0.0, -1.0, 1.0)
-    up = outward[:, 2] >= -UNDERCUT
+    up = outward[:, 2] >= -WITHIN
     areas, corners = 0.5 * lengths(part.tree.normals), part.tree.corners.reshape(-1, 3, 3)
     undercut = float(areas[~up].sum())
     ends = np.cumsum(areas[up])
@@ -52,16 +52,17 @@ def sample_surface(part, spacing) -> Samples:
     count = int(np.ceil(wanted))
     share, corners, outward = whole / max(count, 1), corners[up], outward[up]
 
-    def block(start):
-        number = np.arange(start, min(start + TOGETHER, count))
+    points, normals = np.empty((2, count, 3))
+
+    def kernel(block):
+        number = np.arange(block.start, block.stop)
         triangle = np.searchsorted(ends, (number + 0.5) * share)
         u, v = np.modf(0.5 + number * ROBERTS)[0]
         u, v = np.where(u + v > 1.0, (1.0 - u, 1.0 - v), (u, v))[..., None]
         a, b, c = corners[triangle].swapaxes(0, 1)
-        return a + u * (b - a) + v * (c - a), outward[triangle]
+        points[block], normals[block] = a + u * (b - a) + v * (c - a), outward[triangle]
 
-    done = over_slices(block, range(0, max(count, 1), TOGETHER), "sampling")
-    points, normals = (np.concatenate(some) for some in zip(*done, strict=True))
+    over_blocks(kernel, count, "sampling")
     return Samples(points, normals, share, undercut)
 
 
@@ -69,12 +70,12 @@ def tips_over(touch, samples):
     """Tips ``(n, 3)`` of a cutter in contact with the samples, as `Contact` has them."""
     (a, r, c, w), normals = touch.shape, samples.normals
     across = lengths(normals[:, :2])[:, None]
-    out = np.divide(normals[:, :2], across, out=np.zeros_like(normals[:, :2]), where=across > 1e-9)
+    out = np.divide(normals[:, :2], across, out=np.zeros_like(normals[:, :2]), where=across > ROUNDING)
     off = np.column_stack([a * out + r * normals[:, :2], r * (normals[:, 2] - 1.0)])
     if c < np.inf:  # where the part is steeper than the side of a cone, the rim touches
         steep = across[:, 0] > c * normals[:, 2].clip(0.0)
         off[steep] = np.column_stack([w * out, np.full(len(out), -kernels.rise(w, touch.shape))])[steep]
-    off[:, :2] += BESIDE * normals[:, :2]
+    off[:, :2] += TOGETHER_MM * normals[:, :2]  # or rounding lifts the cutter onto vertical walls
     return samples.points + off + (0.0, 0.0, touch.allowance)
 
 
@@ -127,7 +128,7 @@ def at_rest(touch, cutter, samples, floor, tolerance, places):
 
 def visible(part, samples, floor, tolerance):
     """Which samples are seen from above and lie above the floor: a thin enough cutter reaches them."""
-    above = samples.points + BESIDE * samples.normals + (0.0, 0.0, tolerance)
+    above = samples.points + TOGETHER_MM * samples.normals + (0.0, 0.0, tolerance)
     return (samples.points[:, 2] >= floor - tolerance) & ~Contact(part, NEEDLE, 0.0).collides(above)
 
 

@@ -78,6 +78,12 @@ def test_neither_gouges_nor_leaves_more_than_asked(load, kind, scallop, toleranc
     assert max(found.percentile(100), found.bridged.max(initial=0.0) - tolerance) <= scallop
 
 
+def test_a_finer_tolerance_cuts_no_path_in_pieces(program):
+    """Locations are inserted until they suffice: after five rounds it took a fifth more passes."""
+    fine = nl.finish(hills(), CUTTERS["ball"], scallop=SCALLOP, tolerance=0.1 * TOLERANCE)
+    assert len(fine.curves) <= len(program.curves)
+
+
 def test_a_flat_cutter_finishes_floors_and_walls_with_few_passes():
     box = trimesh.creation.box((40.0, 30.0, 10.0))
     program = nl.finish(box, CUTTERS["flat"], scallop=0.1, tolerance=0.02)
