@@ -13,7 +13,6 @@ from nurbs_lab.common.checks import lengths
 NEIGHBOURHOODS = (9, 16, 24)  # points; each point takes the flattest one
 _LINKS = 10  # neighbours that a point may be linked to
 _MOST_AREA = 4.0  # of a point, in medians
-_PLACES = 9  # of a part, where others are asked whether they lie around it
 
 
 def directions_of(points, neighbours):
@@ -94,12 +93,8 @@ def _part_signs(points, vectors, part):
     outwards = np.where(flux < 0.0, -1.0, 1.0)
     vectors, signs = vectors * outwards[part][:, None], outwards.copy()
     for k in range(len(count)) if len(count) > 1 else ():
-        mine = np.flatnonzero(part == k)
-        turns = [
-            _winding_number(points[part != k] - points[i], vectors[part != k])
-            for i in mine[:: -(-len(mine) // _PLACES)]
-        ]
-        signs[k] *= (-1.0) ** round(np.median(turns))
+        steps = points[part != k] - points[np.argmax(part == k)]
+        signs[k] *= (-1.0) ** round(_winding_number(steps, vectors[part != k]))
     return signs
 
 

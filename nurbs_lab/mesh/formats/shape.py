@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 _FOLDED = 1.5  # area of the triangles of a polygon over that of the polygon, which is 1 if it is plane
-_MOST_CORNERS = 30_000  # of a face: about 4 s
+_MOST_CORNERS = 30_000  # of a face: about 2 s
 _NO_AREA = 1e-12  # of the largest triangle
 
 

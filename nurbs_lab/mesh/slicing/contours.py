@@ -112,18 +112,15 @@ class Layer(Value):
 
 def axis_frame(axis) -> np.ndarray:
     """Right-handed frame ``(3, 3)``: two rows that span the planes, then the unit normal along ``axis``."""
-    if isinstance(axis, str):
-        if axis not in ("x", "y", "z"):
-            raise ValueError(f"axis is {shown(axis)}; give 'x', 'y', 'z' or a direction of three numbers")
-        frame = np.roll(np.eye(3), 2 - "xyz".index(axis), axis=0)
+    named = dict(zip("xyz", np.eye(3), strict=True))
+    normal = named.get(axis) if isinstance(axis, str) else as_floats("axis", axis)
+    if normal is None or normal.shape != (3,) or not normal.any():
+        raise ValueError(f"axis is {shown(axis)}; give 'x', 'y', 'z' or a direction of three numbers")
+    normal = normal / np.abs(normal).max()
+    normal /= np.linalg.norm(normal)
+    if np.count_nonzero(normal) == 1 and normal.max() > 0:
+        frame = np.roll(np.eye(3), 2 - normal.argmax(), axis=0)
     else:
-        normal = as_floats("axis", axis)
-        if normal.shape != (3,) or not normal.any():
-            raise ValueError(f"axis is {shown(axis)}; give 'x', 'y', 'z' or a direction of three numbers")
-        normal = normal / np.abs(normal).max()
-        normal /= np.linalg.norm(normal)
-        if np.count_nonzero(normal) == 1 and normal.max() > 0:
-            return axis_frame("xyz"[normal.argmax()])
         first = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
         first /= np.linalg.norm(first)
         frame = np.array([first, np.cross(normal, first), normal])

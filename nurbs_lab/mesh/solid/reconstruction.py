@@ -358,13 +358,9 @@ def _crossings(parts, fits, shells, tolerance):
         folded = any(fit.patches.flipped().any() for fit in patches)
         if sound or folded or any(parts[k].meets for k in mine):
             continue
+        made = [(fits[k], shells[k]) for k in mine]
         fine = trimesh.util.concatenate(
-            [
-                fits[k].fine
-                if isinstance(fits[k], Measured)
-                else shells[k].to_mesh(max(tolerance / 10, shells[k].finest))
-                for k in mine
-            ]
+            [a.fine if isinstance(a, Measured) else b.to_mesh(max(tolerance / 10, b.finest)) for a, b in made]
         )
         out.append(fine.triangles_center[crossing_triangles(fine.vertices, fine.faces) >= 0])
     return np.concatenate(out)
