@@ -92,7 +92,11 @@ def require_inside(part, stock, cutter):
     outside = max((low - least).max(), (most - high).max())
     if not isinstance(stock, np.ndarray):
         field = stock if isinstance(stock, TipField) else stock_field(stock, step)
-        outside = max(outside, (needle(part, field) - field.z).max())
+        z = field.z
+        if field is not stock:  # a wall is as uncertain as a height
+            wide = contact(stock, Cutter("flat", diameter=2.0 * INSIDE * step)).heights(field.places())
+            z = np.maximum(z, wide.reshape(z.shape))
+        outside = max(outside, (needle(part, field) - z).max())
     if outside > INSIDE * step:
         raise ValueError(
             f"part is not inside its stock: up to {outside:.3g} mm of it are outside; give a larger stock, "

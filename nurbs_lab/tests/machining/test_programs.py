@@ -12,6 +12,7 @@ import nurbs_lab as nl
 from nurbs_lab import machining
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.field import tip_field
+from nurbs_lab.machining.stock import require_inside
 from nurbs_lab.machining.surface import sample_surface
 from nurbs_lab.machining.waterlines import waterlines
 from nurbs_lab.mesh import samples
@@ -377,3 +378,12 @@ def test_steps_lower_than_the_cells_of_the_grid_are_finished(angle):
     assert program.warnings == ()
     assert len(program.moves) < 100
     assert nl.verify(program, part).percentile(100) < 0.1
+
+
+def test_a_stock_that_is_the_part_but_for_rounding_holds_it():
+    """Walls that rounding moves past nodes of the grid leave no height there."""
+    part = trimesh.creation.box((30.0, 20.0, 10.0))
+    for angle in (0.3, 0.7, 1.1, 1.9):
+        there = trimesh.transformations.rotation_matrix(angle, (1.0, 2.0, 3.0))
+        stock = part.copy().apply_transform(there).apply_transform(np.linalg.inv(there))
+        require_inside(machining.prepare_part(part), machining.prepare_part(stock), nl.Cutter("ball", 6.0))
