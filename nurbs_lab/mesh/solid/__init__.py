@@ -51,11 +51,10 @@ exact._PLACES            8, 400                              of 27: 0, 0; 0, 0
 faces.ALONG              33 places                           of 10: -4, 1 has 20 faces, not 36; -1, 1.25 x
 fit.PENALTY              1e3                                 of 10: 0; 0
 ROUNDS (patches)         6                                   of 23 -3; of 9 +0
-LONGEST (patches)        0.3                                 of 10: 0; 0
 MOST_NEIGHBOURS (ring)   400                                 of 3 fans of needles 2, one fits; 1
 shell_triangles._PLACES  9                                   of 10: 0; 0
 _MOST_TRIANGLES (shell)  5e6                                 0.5 x time of a search of 15 s; 2 GB at 5e6
-WHOLE (reader)           1 - 1e-10                           of 24 files: 0; 0
+WHOLE (reader)           1 - 1e-10     6 of 24 files         of 24 files: 0; 0
 skinned._FINE            2e-3                                of 36 tubes: 0; 0
 trimmed._FINE            0.05 tol.                           of 27: 0; 0, the deviation known to 10 %
 trimmed._FINEST          2e-6                                of 27: 0; 0

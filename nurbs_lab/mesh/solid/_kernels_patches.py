@@ -6,7 +6,6 @@ from nurbs_lab.common.kernels import compiled
 from nurbs_lab.mesh.solid.net import DEGREE
 
 ROUNDS = 6  # of Gauss-Newton
-LONGEST = 0.3  # step of it in u or v
 
 
 @compiled
@@ -68,9 +67,7 @@ def nearest_places(nets, points, face, uv, gaps):
                 down_v = f = 0.0
             det = max(e * g - f * f, 1e-12 * e * g + 1e-300)
             step_u, step_v = (g * down_u - f * down_v) / det, (e * down_v - f * down_u) / det
-            largest = max(abs(step_u), abs(step_v))
-            if largest < 1e-6:
+            if max(abs(step_u), abs(step_v)) < 1e-6:
                 break
-            scale = min(1.0, LONGEST / largest)
-            u, v = min(max(u + scale * step_u, 0.0), 1.0), min(max(v + scale * step_v, 0.0), 1.0)
+            u, v = min(max(u + step_u, 0.0), 1.0), min(max(v + step_v, 0.0), 1.0)
         gaps[k] = np.sqrt(best)
