@@ -99,7 +99,8 @@ def _refined(mesh, target, samples, within, most_faces, meets):
             fitted = _closely(fitted, target)
             if not meets:
                 # finely where nothing else is wrong: bad patches need many triangles
-                fine = within / 10 if _score(fitted, within) == (0, SAFETY) else max(within, fitted.worst)
+                sound = _score(fitted, within) == (0, SAFETY)
+                fine = within / 10 if sound else max(within, fitted.worst / 10)
                 fitted = replace(fitted, faulty=fitted.faulty | crossed(fitted.patches, fine))
         vain += 1
         if best is None or _score(fitted, within) < _score(best, within):
