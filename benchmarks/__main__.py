@@ -54,7 +54,7 @@ def line(row) -> str:
 
 def main(rooms) -> None:
     """Run the tables of the named rooms; each is stored as soon as it is done."""
-    results = json.loads(RESULTS.read_text())
+    results = json.loads(RESULTS.read_text()) | {"machine": machine(), "versions": versions()}
     for room in rooms:
         print(room, flush=True)
         start = time.perf_counter()
@@ -64,7 +64,6 @@ def main(rooms) -> None:
             kept = [stored for stored in results["rows"] if stored["room"] != room]
             rows = [asdict(row) for row in _printed(import_module(f"benchmarks.{room}").rows())]
             results["rows"] = sorted(kept + rows, key=lambda stored: ROOMS.index(stored["room"]))
-        results |= {"machine": machine(), "versions": versions()}
         results["minutes"][room] = (time.perf_counter() - start) / 60
         RESULTS.write_text(json.dumps(results, indent=1) + "\n")
     print("; ".join(f"{name} {minutes:.1f} min" for name, minutes in results["minutes"].items()))
