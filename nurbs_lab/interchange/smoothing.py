@@ -140,7 +140,8 @@ def _curves(points, tolerance):
 
 def _turns_around(points, at, reach):
     """Angles by which a polyline turns at some of its points, between places ``reach`` before and after."""
-    before, after = (points_along(points, lengths_along(points)[at] + side) for side in (-reach, reach))
+    places = lengths_along(points)[at]
+    before, after = (points_along(points, places + side) for side in (-reach, reach))
     one, two = points[at] - before, after - points[at]
     return np.arctan2(lengths(np.cross(one, two)), (one * two).sum(axis=1))
 

@@ -10,7 +10,7 @@ from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import body_contacts
 from nurbs_lab.machining.fit import Fitting, fit_paths
 from nurbs_lab.machining.link import ways_over
-from nurbs_lab.machining.part import WITHIN, prepare_part
+from nurbs_lab.machining.part import SINGLE, prepare_part
 from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.program import MACHINE, Program
 from nurbs_lab.machining.stock import as_stock, material_of, require_inside
@@ -95,7 +95,7 @@ def finish(
     if tolerance >= 0.8 * scallop:
         raise ValueError(f"tolerance must be less than 0.8 of the scallop {scallop}, got {tolerance}")
     part.require_closed()
-    least = WITHIN * extent(part.bounds)
+    least = SINGLE * extent(part.bounds)
     if tolerance < least:
         raise ValueError(
             f"tolerance must be at least {least:.3g} mm for a part of this size, got {tolerance:g}"

@@ -12,7 +12,7 @@ from nurbs_lab.mesh.core import MeshGraph, mesh_graph
 from nurbs_lab.mesh.distance import TriangleTree, triangle_tree
 from nurbs_lab.nurbs import NurbsSurface
 
-WITHIN = 1e-6  # relative: what coordinates of single precision do not tell apart
+SINGLE = 1e-6  # relative: what coordinates in single precision do not tell apart
 TESSELLATION = 1e-3  # mm: how far the triangles of a NURBS part may lie from its surfaces
 
 

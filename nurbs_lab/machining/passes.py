@@ -12,7 +12,7 @@ from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField, tip_field
 from nurbs_lab.machining.fit import Path
-from nurbs_lab.machining.part import WITHIN
+from nurbs_lab.machining.part import SINGLE
 from nurbs_lab.machining.waterlines import runs, waterlines
 
 SPLIT = np.radians(45.0)  # slope between raster (below) and waterlines (above)
@@ -46,8 +46,8 @@ def step_over(cutter, scallop):
 
 def level_faces(part, cutter):
     """Heights of the level faces of a part that face up and are no smaller than the square of the cutter."""
-    up = part.normals[:, 2] * np.sign(part.volume) > 1.0 - WITHIN
-    heights, digits = part.tree.corners[up, 2], np.abs(part.bounds).max() * WITHIN
+    up = part.normals[:, 2] * np.sign(part.volume) > 1.0 - SINGLE
+    heights, digits = part.tree.corners[up, 2], np.abs(part.bounds).max() * SINGLE
     _, first, place = np.unique(np.rint(heights / digits), return_index=True, return_inverse=True)
     areas = np.bincount(place, 0.5 * lengths(part.tree.normals[up]), len(first))
     return heights[first][areas > cutter.diameter**2]
@@ -72,7 +72,7 @@ class Layout:
         steep = np.full(self.slope.shape, np.inf)
         np.minimum.at(steep, self.field.index(tips[:, :2]), np.arccos(normals[:, 2].clip(0.0, 1.0)))
         steep = np.where(np.isinf(steep), minimum_filter(steep, 3), steep)
-        steep[np.isinf(steep) | (steep <= SPLIT) | (self.slope <= WITHIN)] = 0.0
+        steep[np.isinf(steep) | (steep <= SPLIT) | (self.slope <= SINGLE)] = 0.0
         return replace(self, slope=np.maximum(self.slope, steep))
 
     def paths(self, tips):
@@ -80,7 +80,7 @@ class Layout:
         slope, wanted = self.slope, self._near(tips)
         paths = self._waterlines(wanted & (slope > SPLIT), self._levels(), first=True)
         disc, far = self.cutter.flat_radius, LEVEL_STEP * self.cutter.flat_radius
-        level = (slope <= WITHIN) & (far > self.step)  # the disc covers what is between passes
+        level = (slope <= SINGLE) & (far > self.step)  # the disc covers what is between passes
         gentle = (slope <= SPLIT) & ~level
         for some, apart, wide in ((level, far, disc), (gentle, self.step * np.cos(SPLIT), 0.0)):
             size = 1 + int(wide / self.field.step)

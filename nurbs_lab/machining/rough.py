@@ -14,7 +14,7 @@ from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.field import TipField, require_size, tip_field
 from nurbs_lab.machining.fit import Fitting, Path, fit_paths
 from nurbs_lab.machining.link import ways_over
-from nurbs_lab.machining.part import WITHIN, prepare_part
+from nurbs_lab.machining.part import SINGLE, prepare_part
 from nurbs_lab.machining.passes import level_faces
 from nurbs_lab.machining.program import MACHINE, Program
 from nurbs_lab.machining.stock import HALF, RIM, Material, as_stock, bounds_of, material_of, require_inside
@@ -192,7 +192,7 @@ class Clearing:
         pairs = list(pairwise([*stops, self.tips.floor]))
         counts = [int(np.ceil((a - b) / most - 1e-9)) for a, b in pairs]
         levels = [np.linspace(a, b, n + 1)[1:] for (a, b), n in zip(pairs, counts, strict=True)]
-        return np.concatenate(levels) + WITHIN * self.fitting.cutter.diameter  # rounding makes no contact
+        return np.concatenate(levels) + SINGLE * self.fitting.cutter.diameter  # rounding makes no contact
 
     def _level_faces(self):
         """Greatest heights of the tip where it is level over more than where the cutter stands on a point."""

@@ -11,7 +11,7 @@ from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining._kernels_contact import ROUNDING
 from nurbs_lab.machining.drop import NEEDLE, Contact
 from nurbs_lab.machining.field import require_size
-from nurbs_lab.machining.part import WITHIN
+from nurbs_lab.machining.part import SINGLE
 from nurbs_lab.machining.program import TOGETHER_MM
 
 MOST_SAMPLES = 1e7
@@ -42,7 +42,7 @@ def sample_surface(part, spacing) -> Samples:
     so that neighbours are close together. Inside the triangles they are points of Roberts' sequence R2.
     """
     outward = part.normals * np.where(part.volume < 0.0, -1.0, 1.0)
-    up = outward[:, 2] >= -WITHIN
+    up = outward[:, 2] >= -SINGLE
     areas, corners = 0.5 * lengths(part.tree.normals), part.tree.corners.reshape(-1, 3, 3)
     undercut = float(areas[~up].sum())
     ends = np.cumsum(areas[up])

@@ -12,18 +12,7 @@ from nurbs_lab.machining.stock import as_stock
 from nurbs_lab.plotting.general import animation
 from nurbs_lab.plotting.solids import MATERIAL, triangles
 from nurbs_lab.plotting.stage import CLAY, frame, given_or_new, polylines, scene
-from nurbs_lab.plotting.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    MAGNITUDE,
-    ORANGE,
-    PINK,
-    SIGNED,
-    canvas,
-    takes_axes,
-    takes_stage,
-)
+from nurbs_lab.plotting.style import BLUE, GREEN, GREY, ORANGE, PINK, SIGNED, canvas, takes_axes, takes_stage
 
 KINDS = {"cut": (BLUE, 1.0), "link": (ORANGE, 2.5), "plunge": (GREEN, 4.0), "rapid": (PINK, 1.5)}  # , width
 SPACING = 0.4  # mm between the points that are drawn
@@ -106,7 +95,7 @@ def remaining(simulation, part, *, limit, ax=None):
     left = simulation.remaining(part)
     left[np.isinf(left)] = np.nan
     x, y = simulation.field.nodes
-    least, cmap, beyond = (-limit, SIGNED, "both") if np.nanmin(left) < 0 else (0, MAGNITUDE, "max")
+    least, cmap, beyond = (-limit, SIGNED, "both") if np.nanmin(left) < 0 else (0, None, "max")
     words = f"map of the height left on the part, from {least:g} to {limit:g} mm"
     with canvas(7.0, 5.0, ax, words=words) as (figure, ax):
         shown = ax.pcolormesh(

@@ -12,7 +12,7 @@ from nurbs_lab.plotting.style import BLUE, COLOURS, MAGNITUDE, RED, SIGNED, take
 
 MATERIAL = {"ambient": 0.12, "diffuse": 0.9, "specular": 0.25, "specular_power": 30}
 # Normals are blended over edges that turn by less, in degrees.
-_ROUND = {"smooth_shading": True, "split_sharp_edges": True, "feature_angle": 40.0}
+_SMOOTH = {"smooth_shading": True, "split_sharp_edges": True, "feature_angle": 40.0}
 _LINES = 4  # of a kind in a legend
 RIM = "#33415c"  # of lines on surfaces
 SAMPLES, LEAST = 6, 16  # of a surface: along each span, and in all
@@ -49,7 +49,7 @@ def mesh(mesh, *, edges=True, stage=None, title=None):
     stage = given_or_new(stage)
     stage.add_mesh(
         mesh, color=CLAY, show_edges=edges, edge_color="#5a6475", edge_opacity=0.35,
-        line_width=0.5, **MATERIAL, **({} if edges else _ROUND),
+        line_width=0.5, **MATERIAL, **({} if edges else _SMOOTH),
     )  # fmt: skip
     return frame(stage, title=title)
 
@@ -68,7 +68,7 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
     """
     stage = given_or_new(stage)
     if mesh is not None:
-        stage.add_mesh(triangles(mesh), color=CLAY, **_ROUND, **MATERIAL)
+        stage.add_mesh(triangles(mesh), color=CLAY, **_SMOOTH, **MATERIAL)
     if curves is not None:
         lines = [c(np.linspace(*c.domain, 8 * len(c.control_points))) for c in curves]
         lay(stage, lines, color=BLUE, line_width=2)
@@ -132,7 +132,7 @@ def _trimmed(solid, stage, colour, rims, title, left=0.0):
         at = np.array([face.kind for face in shell.faces])[number]
         for kind in np.unique(at):
             part = pv.PolyData.from_regular_faces(mesh.vertices, mesh.faces[at == kind])
-            stage.add_mesh(part, color=colour(str(kind)), **_ROUND, **MATERIAL | {"ambient": 0.4})
+            stage.add_mesh(part, color=colour(str(kind)), **_SMOOTH, **MATERIAL | {"ambient": 0.4})
     if rims:
         curves = [curve for face in solid.faces for loop in face.loops for curve in loop]
         lines = [c(np.linspace(*c.domain, 4 * len(c.control_points) + 1)) for c in curves]
@@ -182,7 +182,7 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
     signed = values.min() < 0
     stage.add_mesh(
         mesh, scalars=values, clim=(-reach if signed else 0.0, reach),
-        cmap=SIGNED if signed else MAGNITUDE, above_color=RED if tolerance else None, **_ROUND,
+        cmap=SIGNED if signed else MAGNITUDE, above_color=RED if tolerance else None, **_SMOOTH,
         ambient=0.7, diffuse=0.4, show_scalar_bar=False,
     )  # fmt: skip
     bar = stage.add_scalar_bar(
