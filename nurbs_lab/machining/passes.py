@@ -138,11 +138,22 @@ class Layout:
         faces = level_faces(self.touch.part, self.cutter) + self.touch.allowance + self._above
         return np.unique([*levels, *faces[(faces > field.floor) & (faces < field.z.max())]])
 
-    def _lowest(self, points, inward, levels):
-        """Whether no lower waterline comes as close to the part: on an upright wall the lowest is enough."""
+    def _lowest(self, points, inward, levels, near):
+        """Whether no lower waterline comes as close to the part: on an upright wall the lowest is enough.
+
+        One that is not ``near`` the part, since the part is narrower there, is none.
+        """
         below = levels[np.maximum(np.searchsorted(levels, points[:, 2] - 1e-12) - 1, 0)]
-        aside = points[:, :2] - self._above * inward
-        return (self.touch.heights(aside) > below) | (below >= points[:, 2])
+        aside, lower = points[:, :2] - self._above * inward, np.column_stack([points[:, :2], below])
+        far = self._distances(lower, inward) > near
+        return far | (self.touch.heights(aside) > below) | (below >= points[:, 2])
+
+    def _distances(self, points, inward):
+        """Of the part from the centre of the rounded edge, on the side of the part, of a cutter at points."""
+        corner = points.copy()
+        corner[:, :2] += self.cutter.flat_radius * inward
+        corner[:, 2] += self.cutter.corner_radius
+        return self.touch.part.tree.distances(corner)
 
     def _waterlines(self, wanted, levels, first=False):
         field, size = self.field, int(GAP * self.cutter.diameter / self.field.step / 2)
@@ -150,15 +161,12 @@ class Layout:
         def needed(points, inward, slack):
             keep = wanted[field.index(points[:, :2])]
             if first:
-                corner = points[keep]
-                corner[:, :2] += self.cutter.flat_radius * inward[keep]
-                corner[:, 2] += self.cutter.corner_radius
                 near = self.cutter.corner_radius + NEAR * self.step + slack
                 if self.cutter.kind == "cone":  # its side may be what touches
                     near = self.cutter.radius + self.cutter.length
-                keep[keep] = self.touch.part.tree.distances(corner) <= near
+                keep[keep] = self._distances(points[keep], inward[keep]) <= near
                 if not slack:
-                    keep[keep] = self._lowest(points[keep], inward[keep], levels)
+                    keep[keep] = self._lowest(points[keep], inward[keep], levels, near)
                     keep = binary_dilation(keep)  # into the corner between a slope and an upright wall
                 keep = binary_closing(np.pad(keep, size), iterations=size)[size : size + len(keep)]
             return keep

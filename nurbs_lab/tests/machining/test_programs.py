@@ -12,6 +12,7 @@ import nurbs_lab as nl
 from nurbs_lab import machining
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.field import tip_field
+from nurbs_lab.machining.passes import step_over
 from nurbs_lab.machining.stock import require_inside
 from nurbs_lab.machining.surface import sample_surface
 from nurbs_lab.machining.waterlines import waterlines
@@ -61,7 +62,7 @@ def test_no_cusp_is_higher_than_asked(name):
         gaps = points[k] - balls[near]
         gaps[:, 2] = np.minimum(gaps[:, 2], 0.0)  # above its ball the cutter is a cylinder
         across = np.linalg.norm(cloud[under, :2] - centres[k, :2], axis=1)
-        top = (cloud[under, 2] + np.sqrt(np.maximum(r * r - across**2, 0.0))).max()
+        top = (cloud[under, 2] + np.sqrt(np.maximum(r * r - across**2, 0.0))).max(initial=-np.inf)
         gap = np.linalg.norm(gaps, axis=1).min(initial=np.inf)
         assert gap - r <= scallop or top > centres[k, 2] + 0.002
     assert np.count_nonzero(left < scallop) > 0.2 * len(left)
@@ -77,6 +78,15 @@ def test_neither_gouges_nor_leaves_more_than_asked(load, kind, scallop, toleranc
     found = nl.verify(nl.finish(mesh, cutter, scallop=scallop, tolerance=tolerance), mesh)
     assert found.gouge <= (0.1 if kind == "cone" else 0.02) * tolerance
     assert max(found.percentile(100), found.bridged.max(initial=0.0) - tolerance) <= scallop
+
+
+def test_walls_of_a_part_that_is_narrower_below_have_first_passes():
+    """They are the lowest that touch such a wall; samples that nothing passes would need twice the way."""
+    mesh = samples.nut()
+    program = nl.finish(mesh, CUTTERS["ball"], scallop=0.1, tolerance=0.025)
+    way = sum(move.curve.length() for move in program.moves if move.kind == "cut")
+    area = mesh.area_faces[mesh.face_normals[:, 2] > -1e-3].sum()
+    assert way * step_over(CUTTERS["ball"], 0.1) < 1.2 * area
 
 
 def test_a_finer_tolerance_cuts_no_path_in_pieces(program):
