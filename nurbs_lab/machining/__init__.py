@@ -20,11 +20,11 @@ LOSS (fit), of the tolerance             0.08     +1, -2 *       +35, +128 *
 SPLIT (passes), degrees                  45       30: +1, +42    60: +11, -41
 CLIFF (passes), degrees                  75       60: -6, +3     85: +14, -30
 RISE (passes), tolerances                0.45     +1, -5 *       0, +1 *
-GAP (passes), diameters                  1        -2, +11 *      +7, -4 *
+GAP (passes), diameters                  1        -1, +8         +1, -7; also between lowest places of walls
 GRID (passes), nodes a diameter          24       0, -39         0, 0
 WIDTH (passes), step-overs               0.5      -12, -40       +3, -38
 JOIN (passes), step-overs                2        +3, +9 *       +8, +3 *
-NEAR (passes), of the step-over          0.25     0, +2 *        +1, -2 *; without it bites of 19 mm, not 9 *
+NEAR (passes), of the step-over          0.25     0, +11 *       0, -4 *; without it bites of 19 mm, not 9 *
 LEVEL_STEP (passes), of the flat disc    1.2      +68, +57       +488, +474; of a block by a flat cutter
 NEAR (link), diameters                   2        -2, +9 *       0, 0 *; also of the legs of ramps
 UP (link), diameters                     0.1      0, +1 *        0, -1 *; the links up and down are longer

@@ -96,20 +96,16 @@ class Layout:
     def paths_through(self, tips, left):
         """Passes through those of the tips ``(n, 3)`` where most is ``left``, from each to the nearest one.
 
-        Where the cutter does not come to rest at a tip, as on a wall, a waterline passes near it.
+        Where the cutter does not come to rest at a tip, as on a wall, a waterline passes near the lowest one.
         """
-        near, free, chosen = cKDTree(tips), np.ones(len(tips), bool), []
-        for i in np.argsort(-left):
-            if free[i]:
-                chosen.append(i)
-                free[near.query_ball_point(tips[i], self.field.step)] = False
-        tips, off = tips[chosen], NEAR * self.step
+        tips, off = tips[_apart(tips, -left, self.field.step)], NEAR * self.step
         rests = np.abs(self.touch.heights(tips[:, :2]) - tips[:, 2]) <= off
         paths = self._chains(tips[rests]) if rests.any() else []
         if not rests.all():
             tips = tips[~rests]
-            _, some = np.unique(np.floor(tips[:, 2] / off), return_index=True)
-            paths += self._waterlines(self._near(tips), np.unique(tips[some, 2] + self._above))
+            lowest = _apart(tips[:, :2], tips[:, 2], GAP * self.cutter.diameter)
+            _, some = np.unique(np.floor(tips[lowest, 2] / off), return_index=True)
+            paths += self._waterlines(self._near(tips), np.unique(tips[lowest][some, 2] + self._above))
         return paths
 
     def _chains(self, tips):
@@ -138,22 +134,11 @@ class Layout:
         faces = level_faces(self.touch.part, self.cutter) + self.touch.allowance + self._above
         return np.unique([*levels, *faces[(faces > field.floor) & (faces < field.z.max())]])
 
-    def _lowest(self, points, inward, levels, near):
-        """Whether no lower waterline comes as close to the part: on an upright wall the lowest is enough.
-
-        One that is not ``near`` the part, since the part is narrower there, is none.
-        """
+    def _lowest(self, points, inward, levels):
+        """Whether no lower waterline comes as close to the part: on an upright wall the lowest is enough."""
         below = levels[np.maximum(np.searchsorted(levels, points[:, 2] - 1e-12) - 1, 0)]
-        aside, lower = points[:, :2] - self._above * inward, np.column_stack([points[:, :2], below])
-        far = self._distances(lower, inward) > near
-        return far | (self.touch.heights(aside) > below) | (below >= points[:, 2])
-
-    def _distances(self, points, inward):
-        """Of the part from the centre of the rounded edge, on the side of the part, of a cutter at points."""
-        corner = points.copy()
-        corner[:, :2] += self.cutter.flat_radius * inward
-        corner[:, 2] += self.cutter.corner_radius
-        return self.touch.part.tree.distances(corner)
+        aside = points[:, :2] - self._above * inward
+        return (self.touch.heights(aside) > below) | (below >= points[:, 2])
 
     def _waterlines(self, wanted, levels, first=False):
         field, size = self.field, int(GAP * self.cutter.diameter / self.field.step / 2)
@@ -161,12 +146,15 @@ class Layout:
         def needed(points, inward, slack):
             keep = wanted[field.index(points[:, :2])]
             if first:
+                corner = points[keep]
+                corner[:, :2] += self.cutter.flat_radius * inward[keep]
+                corner[:, 2] += self.cutter.corner_radius
                 near = self.cutter.corner_radius + NEAR * self.step + slack
                 if self.cutter.kind == "cone":  # its side may be what touches
                     near = self.cutter.radius + self.cutter.length
-                keep[keep] = self._distances(points[keep], inward[keep]) <= near
+                keep[keep] = self.touch.part.tree.distances(corner) <= near
                 if not slack:
-                    keep[keep] = self._lowest(points[keep], inward[keep], levels, near)
+                    keep[keep] = self._lowest(points[keep], inward[keep], levels)
                     keep = binary_dilation(keep)  # into the corner between a slope and an upright wall
                 keep = binary_closing(np.pad(keep, size), iterations=size)[size : size + len(keep)]
             return keep
@@ -199,6 +187,16 @@ class Layout:
             for part, k in zip(np.split(line, cliffs), np.split(kept, cliffs), strict=True):
                 paths += [Path(run, None) for run, _ in runs(part, k, False)]
         return paths
+
+
+def _apart(places, order, distance):
+    """Numbers of places ``(n, d)`` in this order, each farther than ``distance`` from those before it."""
+    near, free, chosen = cKDTree(places), np.ones(len(places), bool), []
+    for i in np.argsort(order):
+        if free[i]:
+            chosen.append(i)
+            free[near.query_ball_point(places[i], distance)] = False
+    return chosen
 
 
 def layout(touch, cutter, scallop, floor) -> Layout:

@@ -80,8 +80,8 @@ def test_neither_gouges_nor_leaves_more_than_asked(load, kind, scallop, toleranc
     assert max(found.percentile(100), found.bridged.max(initial=0.0) - tolerance) <= scallop
 
 
-def test_walls_of_a_part_that_is_narrower_below_have_first_passes():
-    """They are the lowest that touch such a wall; samples that nothing passes would need twice the way."""
+def test_walls_of_a_part_that_is_narrower_below_are_passed_once():
+    """At the lowest place that the cutter reaches: a pass at every height would be three times the way."""
     mesh = samples.nut()
     program = nl.finish(mesh, CUTTERS["ball"], scallop=0.1, tolerance=0.025)
     way = sum(move.curve.length() for move in program.moves if move.kind == "cut")
