@@ -98,14 +98,14 @@ class Layout:
 
         Where the cutter does not come to rest at a tip, as on a wall, a waterline passes near the lowest one.
         """
-        tips, off = tips[_apart(tips, -left, self.field.step)], NEAR * self.step
+        tips, off = tips[_spaced(tips, -left, self.field.step)], NEAR * self.step
         rests = np.abs(self.touch.heights(tips[:, :2]) - tips[:, 2]) <= off
         paths = self._chains(tips[rests]) if rests.any() else []
         if not rests.all():
             tips = tips[~rests]
-            lowest = _apart(tips[:, :2], tips[:, 2], GAP * self.cutter.diameter)
-            _, some = np.unique(np.floor(tips[lowest, 2] / off), return_index=True)
-            paths += self._waterlines(self._near(tips), np.unique(tips[lowest][some, 2] + self._above))
+            levels = tips[_spaced(tips[:, :2], tips[:, 2], GAP * self.cutter.diameter), 2]
+            _, some = np.unique(np.floor(levels / off), return_index=True)
+            paths += self._waterlines(self._near(tips), np.unique(levels[some] + self._above))
         return paths
 
     def _chains(self, tips):
@@ -189,7 +189,7 @@ class Layout:
         return paths
 
 
-def _apart(places, order, distance):
+def _spaced(places, order, distance):
     """Numbers of places ``(n, d)`` in this order, each farther than ``distance`` from those before it."""
     near, free, chosen = cKDTree(places), np.ones(len(places), bool), []
     for i in np.argsort(order):
