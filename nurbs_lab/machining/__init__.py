@@ -69,7 +69,7 @@ MOST_CELLS (stock)                       4e6      0, 0           0, 0; cells of 
 =======================================  =======  =============  =============
 
 Definitions: HALF (half the diagonal of a cell), NEEDLE (a cutter without width), ROBERTS (the sequence R2),
-MACHINE (a small machine), _LINE, _LINK, _BASIS, _STRAIGHT, _RAISED (splines of links; without the straight
+MACHINE (a small machine), _LINE, _LINK, _BASIS, _STRAIGHT (splines of links; without the straight
 ones a scan takes 9 % longer, with them alone too), KINDS and CONTACTS (names).
 """
 

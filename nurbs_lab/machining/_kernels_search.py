@@ -49,14 +49,14 @@ def highest(x, y, best, enough, held, body, shape, waiting):
 
 
 @compiled
-def drop(xy, body, shape, out):
-    """Height of the resting tip at every point, -inf where it meets nothing.
+def drop(xy, least, body, shape, out):
+    """Height of the resting tip at every point, or ``least`` where that is higher.
 
     Successive points are usually close together, so the triangle that stopped the last one comes first.
     """
     waiting, held = np.empty(128, np.int64), ZERO
     for i in range(len(xy)):
-        out[i], held = highest(xy[i, 0], xy[i, 1], -np.inf, np.inf, held, body, shape, waiting)
+        out[i], held = highest(xy[i, 0], xy[i, 1], least[i], np.inf, held, body, shape, waiting)
 
 
 @compiled

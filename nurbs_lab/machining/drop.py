@@ -63,9 +63,11 @@ class Contact:
     shape: tuple[float, float, float, float]
     allowance: float
 
-    def heights(self, xy) -> np.ndarray:
-        """Height of the resting tip at ``xy (n, 2)``, -inf where it touches nothing."""
-        return self._over_blocks(kernels.drop, "dropping the cutter", float, xy) + self.allowance
+    def heights(self, xy, least=-np.inf) -> np.ndarray:
+        """Height of the resting tip at ``xy (n, 2)``; ``least``, of all or of each, where that is higher."""
+        start = np.full(len(xy), least - self.allowance)
+        out = self._over_blocks(kernels.drop, "dropping the cutter", xy, start)
+        return np.where(out > start, out + self.allowance, least)
 
     def collides(self, tips) -> np.ndarray:
         """Whether the cutter cuts into the part with its tip at each of ``tips (n, 3)``.
@@ -92,17 +94,17 @@ class Contact:
 
     def depths(self, tips) -> np.ndarray:
         """How much smaller all round the cutter must be not to cut into the part at ``tips (n, 3)``."""
-        return self._over_blocks(kernels.depths, "measuring gouges", float, tips - (0.0, 0.0, self.allowance))
+        return self._over_blocks(kernels.depths, "measuring gouges", tips - (0.0, 0.0, self.allowance))
 
     def push(self, free, stuck, level) -> np.ndarray:
         """Fraction of the distance from ``free (n, 2)`` to ``stuck`` that the tip moves at ``level (n,)``.
 
         It is found to 2e-5 of the radius on the free side; NaN if the tip cannot start or nothing stops it.
         """
-        return self._over_blocks(kernels.push, "pushing", float, free, stuck, level - self.allowance)
+        return self._over_blocks(kernels.push, "pushing", free, stuck, level - self.allowance)
 
-    def _over_blocks(self, kernel, what, kind, *arrays):
-        out = np.empty(len(arrays[0]), kind)
+    def _over_blocks(self, kernel, what, *arrays):
+        out = np.empty(len(arrays[0]))
 
         def block(some):
             kernel(*(array[some] for array in arrays), self._body, self.shape, out[some])

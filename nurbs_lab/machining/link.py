@@ -30,7 +30,6 @@ RAISES = 289  # points of a link, denser at its ends, at which it is raised over
 _LINE, _LINK = [0.0, 0.0, 1.0, 1.0], [0.0] * 4 + [1 / 3, 2 / 3] + [1.0] * 4
 _BASIS = BSpline(_LINK, np.eye(6), 3)(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, RAISES)))
 _STRAIGHT = np.array([0.0, 0.001, 1 / 3, 2 / 3, 0.999, 1.0])  # up at once and down at last, if raised
-_RAISED = np.array([[0, 0, 1, 1, 0, 0], [0, 1, 1, 1, 1, 0]], float)  # which points of both ways
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,21 +121,26 @@ class Ways:
         """For each gap the move along the part from pass to pass; None where it is wide or deep."""
         found, gaps = [None] * len(out), lengths(starts[:, 0] - out[:, 0])
         near = np.flatnonzero((gaps > TOGETHER_MM) & (gaps <= NEAR * self.size))
-        rows = _link_rows(out[near], starts[near])
-        tips = np.einsum("sk,nwkd->nwsd", _BASIS, rows)
-        over = self.bare.heights(tips[..., :2].reshape(-1, 2)).reshape(tips.shape[:-1])
-        below = np.maximum(np.maximum(over, self.floor) - tips[..., 2], 0.0)
-        lift = (below / np.maximum(_RAISED @ _BASIS.T, 1e-9)).max(axis=-1)
-        lift[lift > 0.0] += self.bare.allowance
-        rows[..., 2] += lift[..., None] * _RAISED
-        sinks = np.maximum(-np.diff(rows[..., 2] @ _BASIS.T), 0.0).sum(axis=-1)
         gentle = UP * self.size
-        good = sinks <= max(gentle, self.material.cutter.corner_radius)
-        for i in np.flatnonzero(good.any(axis=1)):
-            k = good[i].argmax()
-            kind, share = ("cut", 1.0) if sinks[i, k] <= gentle else ("plunge", PLUNGE)
-            found[near[i]] = Move(kind, _spline(rows[i, k]), share * self.feed)
+        for way, raised in ((_smooth, [0, 0, 1, 1, 0, 0]), (_straight, [0, 1, 1, 1, 1, 0])):
+            rows = self._raised(way(out[near], starts[near]), np.array(raised, float))
+            sinks = np.maximum(-np.diff(rows[..., 2] @ _BASIS.T), 0.0).sum(axis=-1)
+            good = sinks <= max(gentle, self.material.cutter.corner_radius)
+            for i in np.flatnonzero(good):
+                kind, share = ("cut", 1.0) if sinks[i] <= gentle else ("plunge", PLUNGE)
+                found[near[i]] = Move(kind, _spline(rows[i]), share * self.feed)
+            near = near[~good]
         return found
+
+    def _raised(self, rows, raised):
+        """Links ``(n, 6, 3)`` of which the points marked by ``raised`` are raised over part and floor."""
+        tips = _BASIS @ rows
+        least = np.maximum(tips[..., 2], self.floor)
+        over = self.bare.heights(tips[..., :2].reshape(-1, 2), least.ravel()).reshape(least.shape)
+        lift = ((over - tips[..., 2]) / np.maximum(_BASIS @ raised, 1e-9)).max(axis=-1)
+        lift[lift > 0.0] += self.bare.allowance
+        rows[..., 2] += lift[:, None] * raised
+        return rows
 
     def _entry(self, curve, up):
         """Moves to the beginning of a pass: straight down, from beside it or on a ramp, by the material."""
@@ -216,13 +220,18 @@ def _spline(points):
     return trusted_curve(degree, np.array(knots), np.array(points))
 
 
-def _link_rows(out, starts):
-    """Two ways from each end to the next start, ``(n, 2, 6, 3)``: with the tangents of both, and straight."""
+def _smooth(out, starts):
+    """A way from each end to the next start, tangent to both, ``(n, 6, 3)``; straight where it turns back."""
     p, q = out[:, 0], starts[:, 0]
     along, into = (lengths(q - p)[:, None] / 7.0 * ends[:, 1] for ends in (out, starts))
-    smooth = np.stack([p, p + along, p + 3.0 * along, q - 3.0 * into, q - into, q], axis=1)
-    straight = p[:, None] + _STRAIGHT[:, None] * (q - p)[:, None]
+    rows = np.stack([p, p + along, p + 3.0 * along, q - 3.0 * into, q - into, q], axis=1)
     ahead = np.minimum(*(((q - p) * ends[:, 1]).sum(axis=1) for ends in (out, starts)))
     back = ahead <= -0.99 * lengths(q - p)  # C' would vanish where it turns
-    smooth[back] = straight[back]
-    return np.stack([smooth, straight], axis=1)
+    rows[back] = _straight(out[back], starts[back])
+    return rows
+
+
+def _straight(out, starts):
+    """A straight way from each end to the next start, ``(n, 6, 3)``."""
+    p, q = out[:, 0], starts[:, 0]
+    return p[:, None] + _STRAIGHT[:, None] * (q - p)[:, None]

@@ -179,7 +179,7 @@ class Layout:
         xy[..., along], xy[..., 1 - along] = nodes[along], rows[:, None]
         keep = wanted[field.index(xy.reshape(-1, 2))].reshape(xy.shape[:2])
         points = np.dstack([xy, np.full(keep.shape, field.floor)])
-        points[keep, 2] = np.maximum(self.touch.heights(xy[keep]), field.floor)
+        points[keep, 2] = self.touch.heights(xy[keep], field.floor)
         keep &= points[..., 2] > field.floor
         paths = []
         for line, kept in zip(points, keep, strict=True):

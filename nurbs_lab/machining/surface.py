@@ -86,10 +86,10 @@ def with_valleys(field, touch, samples):
     """
     tips = tips_over(touch, samples)
     least = field.z[field.index(tips[:, :2])] - VALLEY * field.step
-    low = tips[:, 2] < least
+    low = (tips[:, 2] < least) & (field.floor < least)
     tips, least = tips[low], least[low]
-    tips[:, 2] = np.maximum(touch.heights(tips[:, :2]), field.floor)
-    tips = tips[tips[:, 2] < least]
+    tips = tips[~touch.collides(np.column_stack([tips[:, :2], least]))]  # the others take longer to lower
+    tips[:, 2] = touch.heights(tips[:, :2], field.floor)
     tips = tips[np.argsort(-tips[:, 2])]
     at, z, places = field.places().reshape(*field.z.shape, 2), field.z.copy(), field.index(tips[:, :2])
     at[places], z[places] = tips[:, :2], tips[:, 2]
@@ -120,7 +120,7 @@ def at_rest(touch, cutter, samples, floor, tolerance, places):
     """
     found, tips = reached(touch, samples, floor, tolerance)
     xy, gaps = samples.points[~found, :2], np.zeros(len(found))
-    places = np.vstack([places, tips[found], np.column_stack([xy, touch.heights(xy).clip(floor)])])
+    places = np.vstack([places, tips[found], np.column_stack([xy, touch.heights(xy, floor)])])
     gaps[~found], which = left_over(cutter, places, samples.points[~found], cutter.diameter)
     tips[~found] = places[which]
     return found, tips, gaps.clip(0.0)
