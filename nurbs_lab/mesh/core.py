@@ -37,7 +37,8 @@ class MeshGraph(Value):
         0 regular, 1 boundary, 2 non-manifold (shared by three or more), 3 against the winding of its
         neighbour.
     junk : (m,) array of bool
-        Triangles left out: a corner repeated, or a copy of an earlier triangle.
+        Triangles left out: a corner repeated, a copy of an earlier triangle, or the back of one in a mesh of
+        which every triangle has one.
     """
 
     vertices: np.ndarray
@@ -137,13 +138,32 @@ def linked(vertices, triangles, junk=None) -> MeshGraph:
     body = np.zeros(len(triangles), np.int32)
     vertices.setflags(write=False)  # as those of a graph, so that the kernel is compiled once
     if _kernels_core.link(triangles, vertices, body, junk, opposite, kinds):
-        copies = _copies(triangles, kinds)
+        copies = _backs(triangles, junk)
+        copies = copies if copies.size else _copies(triangles, kinds)
         if copies.size:
             junk[copies] = True
             _kernels_core.link(triangles, vertices, body, junk, opposite, kinds)
         body = bodies_of(np.where(kinds == 2, -1, opposite))[1]
         _kernels_core.link(triangles, vertices, body, junk, opposite, kinds)
     return MeshGraph(vertices, triangles, opposite, kinds, junk)
+
+
+def _backs(triangles, junk):
+    """The second of every two triangles that are one, wound either way, if all are so: they enclose nothing.
+
+    Some may be so: bodies that share a wall have its triangles twice, and so has one in the void of another.
+    """
+    used = np.flatnonzero(~junk)
+    corners = triangles[used]
+    around = corners[np.flatnonzero(corners == corners[0, 0]) // 3]
+    if np.isin(around, corners[0]).all(axis=1).sum() != 2:  # most others, at once
+        return used[:0]
+    rising = (np.roll(corners, -1, axis=1) > corners).sum(axis=1)  # two one way, one the other
+    ends = np.sort(corners, axis=1)
+    order = np.lexsort(ends.T)  # equal ones as they stand
+    first, second = order[:-1:2], order[1::2]
+    paired = len(used) % 2 == 0 and (rising[first] + rising[second] == 3).all()
+    return used[second] if paired and (ends[first] == ends[second]).all() else used[:0]
 
 
 def _copies(triangles, kinds):

@@ -105,3 +105,24 @@ def test_a_graph_is_its_own_graph_and_read_only():
     assert mesh_graph(graph) is graph
     with pytest.raises(ValueError, match="read-only"):
         graph.opposite[0] = 1
+
+
+@pytest.mark.parametrize("missing", [0, 1])
+def test_a_mesh_of_which_every_triangle_has_a_back_is_its_front(missing):
+    box = trimesh.creation.box((3.0, 2.0, 1.0))
+    front = box.faces[missing:]
+    both = np.stack([front, front[:, ::-1]], axis=1).reshape(-1, 3)  # each beside its back
+    graph = mesh_graph(trimesh.Trimesh(box.vertices, both, process=False))
+    assert np.array_equal(graph.triangles[~graph.junk], mesh_graph(box).triangles[missing:])
+    (layer,) = slice_mesh(graph, [0.1])
+    assert layer.area == pytest.approx(6.0 if layer.contours[0].closed else 0.0)
+    assert layer.open_ends == 2 * (not layer.contours[0].closed)
+
+
+def test_a_body_in_the_void_of_another_has_no_backs():
+    ball, box = trimesh.creation.icosphere(2), trimesh.creation.box((4.0, 4.0, 4.0))
+    graph = mesh_graph(
+        trimesh.util.concatenate([box, trimesh.Trimesh(ball.vertices, ball.faces[:, ::-1]), ball])
+    )
+    assert not graph.junk.any()
+    assert slice_mesh(graph, [0.1])[0].area == pytest.approx(16.0)
