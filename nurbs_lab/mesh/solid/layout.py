@@ -83,15 +83,18 @@ class Chart:
         return half // 3, weights
 
 
-def lay_out(mesh: Surfels, weight, most_cost) -> tuple[Layout, Chart]:
+def lay_out(mesh: Surfels, weight, most_cost, most_faces) -> tuple[Layout, Chart] | None:
     """Divide a mesh; ``most_cost`` is the largest quadric error of a collapse, in mm squared.
 
-    ``weight`` of the vertices multiplies the error.
+    ``weight`` of the vertices multiplies the error. None where that takes more than ``most_faces`` pairs of
+    coarse triangles: to join so many to faces can take a minute.
     """
     triangles, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
     coarse = _kernels_layout.coarse_mesh(mesh.vertices, mesh.kinds, triangles, opposite, sharp)
     log = _kernels_layout.coarsen(coarse, weight, most_cost, mesh.least_chord)
     alive, begin = coarse.alive, coarse.begin
+    if alive.sum() > 2 * most_faces:
+        return None
     triangle = np.cumsum(alive) - 1
     old = (3 * np.flatnonzero(alive)[:, None] + np.arange(3)).ravel()
     opposite = opposite[old]

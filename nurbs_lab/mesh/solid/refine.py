@@ -80,10 +80,13 @@ def build(part, tolerance, sharp_angle, most_faces=None) -> Fitted:
 
 def _refined(mesh, target, samples, within, most_faces, meets):
     """The first fit that keeps the tolerance, or the best one, on finer and finer layouts."""
-    weight, best, faces, vain = np.ones(len(mesh.vertices)), None, 0, 0
+    weight, best, before, faces, vain = np.ones(len(mesh.vertices)), None, None, 0, 0
     cost = COST**2 * within / 0.005
     for attempt in count():
-        layout, chart, cost = _small_layout(mesh, weight, cost, most_faces)
+        found, cost = _small_layout(mesh, weight, cost, most_faces, MOST_FACES - faces if attempt else np.inf)
+        if found is None:
+            break
+        layout, chart = found
         faces += len(layout.corners)
         if not attempt and len(layout.corners) > most_faces:
             raise ValueError(
@@ -94,14 +97,16 @@ def _refined(mesh, target, samples, within, most_faces, meets):
         if attempt and (faces > MOST_FACES or len(layout.corners) > most_faces):
             break
         nodes = even_grid(mesh, layout, chart)
-        fitted = measure(fit(target, layout, nodes, SAFETY * within), target, mesh.vertices, samples)
-        if best is None or _score(fitted, within) < _score(best, within):
-            fitted = _closely(fitted, target)
-            if not meets:
-                # finely where nothing else is wrong: bad patches need many triangles
-                sound = _score(fitted, within) == (0, SAFETY)
-                fine = within / 10 if sound else max(within, fitted.worst / 10)
-                fitted = replace(fitted, faulty=fitted.faulty | crossed(fitted.patches, fine))
+        if not np.array_equal(nodes, before):  # or the fit would be the same
+            fitted = measure(fit(target, layout, nodes, SAFETY * within), target, mesh.vertices, samples)
+            if best is None or _score(fitted, within) < _score(best, within):
+                fitted = _closely(fitted, target)
+                if not meets:
+                    # finely where nothing else is wrong: bad patches need many triangles
+                    sound = _score(fitted, within) == (0, SAFETY)
+                    fine = within / 10 if sound else max(within, fitted.worst / 10)
+                    fitted = replace(fitted, faulty=fitted.faulty | crossed(fitted.patches, fine))
+        before = nodes
         vain += 1
         if best is None or _score(fitted, within) < _score(best, within):
             best, vain = fitted, 0
@@ -115,13 +120,13 @@ def _refined(mesh, target, samples, within, most_faces, meets):
     return best
 
 
-def _small_layout(mesh, weight, cost, most_faces):
+def _small_layout(mesh, weight, cost, most_faces, left):
     """The first of sixteen layouts, each coarser, with few enough faces, or the last one; its cost."""
     for coarser in cost * 2.0 ** np.arange(16):
-        layout, chart = lay_out(mesh, weight, coarser)
-        if len(layout.corners) <= most_faces:
+        found = lay_out(mesh, weight, coarser, left)
+        if found is None or len(found[0].corners) <= most_faces:
             break
-    return layout, chart, coarser
+    return found, coarser
 
 
 def _score(fitted, within):

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import reconstruct, samples
-from nurbs_lab.mesh.solid import shell_triangles
+from nurbs_lab.mesh.solid import refine, shell_triangles
 from nurbs_lab.mesh.solid.features import without_slivers
 from nurbs_lab.mesh.solid.shell_triangles import crossed
 from nurbs_lab.tests.mesh import shapes
@@ -299,6 +299,20 @@ def test_a_small_limit_gives_a_coarser_solid_that_says_so_or_a_refusal():
         reconstruct(ring, tolerance=0.1, max_faces=5, faces="patches")
     with pytest.raises(ValueError, match="3840, and 50% of its edges are sharp"):  # of all triangles
         reconstruct(trimesh.creation.icosphere(3), tolerance=0.01, sharp_angle=1.0, faces="patches")
+
+
+def test_no_layout_is_fitted_twice(monkeypatch):
+    seen, fit = [], refine.fit
+
+    def watched(target, layout, nodes, within):
+        assert not any(np.array_equal(nodes, one) for one in seen)
+        seen.append(nodes)
+        return fit(target, layout, nodes, within)
+
+    monkeypatch.setattr(refine, "fit", watched)
+    ball = trimesh.creation.icosphere(1)  # of whose triangles none is collapsed
+    assert not reconstruct(ball, tolerance=1e-6, faces="patches").within_tolerance
+    assert len(seen) == 1
 
 
 def test_arguments():
