@@ -95,19 +95,18 @@ def rest_at(grid, x, y, shape, grow):
 
 
 @compiled
-def cut(grid, tips, shape, grow, bodies, before, rim, found):
+def cut(grid, tips, shape, grow, bodies, before, top, rim, found):
     """Lower a height field to the cutter at each of the tips.
 
     The distance of a node from the axis counts as larger by ``grow``. ``bodies (k, 2)`` have a radius and a
-    height above the tip. ``found (3 + k,)`` takes the volume, the largest amount by which material stood
-    above the tip under the cutter, the same for material whose top, as it was in the heights ``before``, is
-    cut off and came deeper than ``rim`` into the cutter, and how deep each body was in it.
+    height above the tip, and meet nothing with tips above ``top``. ``found (3 + k,)`` takes the volume, the
+    largest amount by which material stood above the tip under the cutter, the same for material whose top, as
+    it was in the heights ``before``, is cut off and came deeper than ``rim`` into the cutter, and how deep
+    each body was in it.
     """
     (heights, low, step), w = grid, shape[3]
     nx, ny = heights.shape
-    wide, volume, top = (w - grow) / step, 0.0, -np.inf
-    for b in range(len(bodies)):
-        top = max(top, heights.max() - bodies[b, 1])
+    wide, volume = (w - grow) / step, 0.0
     for k in range(len(tips)):
         x, y, z = (tips[k, 0] - low[0]) / step, (tips[k, 1] - low[1]) / step, tips[k, 2]
         if z < top:
@@ -118,6 +117,8 @@ def cut(grid, tips, shape, grow, bodies, before, rim, found):
         for i in range(max(int(np.ceil(x - wide)), 0), min(int(np.floor(x + wide)), nx - 1) + 1):
             across = np.sqrt(max(wide * wide - (i - x) ** 2, 0.0))
             for j in range(max(int(np.ceil(y - across)), 0), min(int(np.floor(y + across)), ny - 1) + 1):
+                if before[i, j] <= z:  # nor are the heights above the tip
+                    continue
                 off = step * np.sqrt((i - x) ** 2 + (j - y) ** 2) + grow
                 lower = z + rise(min(off, w), shape)
                 if lower < heights[i, j]:

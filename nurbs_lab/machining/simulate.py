@@ -113,10 +113,11 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
     for i, move in enumerate(bar(program.moves, len(program.moves), "milling", " moves")):
         if move.kind != kind or since > cutter.diameter:
             before[:], since, kind = heights, 0.0, move.kind
+            top = before.max() - bodies[:, 1].min()
         since += TIP_SPACING * resolution * counts[i]
         tips = move.curve(np.linspace(*move.curve.domain, int(counts[i])))
         grow = rounding if move.kind == "rapid" else 0.0
-        kernels.cut(grid, tips, cutter.shape, grow, bodies, before, rim, found[i])
+        kernels.cut(grid, tips, cutter.shape, grow, bodies, before, top, rim, found[i])
     contacts = np.zeros((len(found), len(CONTACTS)))
     contacts[:, 1 : 1 + len(bodies)] = np.maximum(found[:, 3:], 0.0)
     rapid = [move.kind == "rapid" for move in program.moves]

@@ -145,8 +145,8 @@ class Material:
 
     def cut(self, curve):
         """Remove what the cutter removes along a curve."""
-        none, tips, same = np.empty((0, 2)), self.along(curve), self.field.z
-        kernels.cut(self._grid, tips, self.cutter.shape, HALF * self.field.step, none, same, 0.0, np.zeros(3))
+        none, tips, grow = np.empty((0, 2)), self.along(curve), HALF * self.field.step
+        kernels.cut(self._grid, tips, self.cutter.shape, grow, none, self.field.z, 0.0, 0.0, np.zeros(3))
 
     def rest(self, xy, wider=None) -> np.ndarray:
         """Height of the tip from which upwards the cutter certainly touches no material, at ``xy (n, 2)``.
