@@ -303,9 +303,10 @@ def binding(path, *, ax=None):
     chords = np.stack([points[:-1], points[1:], np.full_like(points[1:], np.nan)], axis=1)
     limits = path.feed.limiting(path.t[1:])
     with canvas(7.5, 5, ax) as (figure, ax):
-        for k, name in enumerate(sorted(set(limits))):
+        names, counts = np.unique(limits, return_counts=True)
+        for name, k in zip(names, np.argsort(np.argsort(-counts)), strict=True):  # the rarest on top
             mine, (colour, _) = chords[limits == name].reshape(-1, 2), LIMITS.get(name, OTHER_LIMIT)
-            ax.plot(*mine.T, "-", color=colour, linewidth=2 + k, label=name.replace("_", " "))
+            ax.plot(*mine.T, "-", color=colour, linewidth=2 + k, zorder=2 + k, label=name.replace("_", " "))
         equal_mm(ax)
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="limited by")
     return figure

@@ -183,11 +183,11 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
     stage.add_mesh(
         mesh, scalars=values, clim=(-reach if signed else 0.0, reach),
         cmap=SIGNED if signed else MAGNITUDE, above_color=RED if tolerance else None, **_SMOOTH,
-        ambient=0.7, diffuse=0.4, show_scalar_bar=False,
+        ambient=0.55, diffuse=0.6, show_scalar_bar=False,
     )  # fmt: skip
     bar = stage.add_scalar_bar(
         title="deviation [mm]", vertical=True, position_x=0.86, position_y=0.15, height=0.7, width=0.06,
-        n_labels=5, fmt="%.3g", color=INK, title_font_size=14, label_font_size=13,
+        n_labels=5 if signed else 6, fmt="%.3g", color=INK, title_font_size=14, label_font_size=13,
     )  # fmt: skip
     for letters in (bar.GetTitleTextProperty(), bar.GetLabelTextProperty(), bar.GetAnnotationTextProperty()):
         letters.SetFontFamilyAsString("File")
@@ -221,9 +221,9 @@ def figure_7(points, mesh, layers, surfaces, *, curves=None, width=1200, height=
     stage.subplot(0, 1)
     _mesh(mesh, stage=stage, title="triangles")
     stage.subplot(0, 2)
-    _layers(layers, curves=curves, stage=stage, title="layered curves")
+    _layers(layers, curves=curves, stage=stage, title="layered curves" if curves else "contours")
     stage.subplot(0, 3)
-    surface(surfaces, isocurves=False, stage=stage, title="surface")
+    surface(surfaces, stage=stage, title="surfaces")
     return stage
 
 
