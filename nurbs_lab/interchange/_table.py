@@ -48,8 +48,10 @@ def _speeds(t, points):
 
 
 def read(path):
-    """A `PathTable` if the first line names its columns; else points, by the x, y and z of a header."""
-    comma, by = (None, "blanks") if path.suffix.lower() == ".txt" else (",", "commas")
+    """A `PathTable` if the first line names its columns; else points, by the x, y and z of a header.
+
+    Numbers are separated by commas if the first line has one, or else by blanks.
+    """
     lines = (text := path.read_text(encoding="utf-8-sig")).split("\n")
     for note in unended(text.encode()):
         warnings.warn(f"path: {path.name}: {note}", stacklevel=3)
@@ -57,6 +59,7 @@ def read(path):
         raise ValueError("a number of it goes on with '#', which begins a comment; it is damaged")
     found = [(i, row) for i, line in enumerate(lines) if (row := line.partition("#")[0].strip())]
     first, head = found[0] if found else (0, "")
+    comma, by = (",", "commas") if "," in head else (None, "blanks")
     names = [word.strip(' \t"') for word in head.split(comma)]
     headed, named = not any(map(_NUMBER.fullmatch, names)), names in HEADS.values()
     axes = _axes(names if headed else lines[first - 1].lstrip("# ").split(comma))  # of a comment above
@@ -73,8 +76,11 @@ def read(path):
         near = np.allclose(speeds[some], v[some], rtol=1e-6, atol=1e-6 * speeds.max())
     if named != (speeds.any() and near):
         raise ValueError("a line is missing, doubled or damaged: its speeds are not those of its chords")
-    rows = rows[:, list(axes)] * [*axes.values()] if axes else rows
-    return PathTable(t, rows[:, 1], points, v) if named else rows
+    if named:
+        return PathTable(t, rows[:, 1], points, v)
+    if len(names) > 3:
+        raise ValueError(f"its rows have {len(names)} numbers; leave all columns but x, y and z out")
+    return rows[:, list(axes)] * [*axes.values()] if axes else rows
 
 
 def _axes(names):

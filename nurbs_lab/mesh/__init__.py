@@ -68,6 +68,7 @@ Definitions: `_kernels_core.BOUNDARY`, `MANY`, `AGAINST`, `core._BY_WEIGHT`, `re
 from nurbs_lab.mesh.cloud.points import MeshReport, check_mesh, mesh_from_points
 from nurbs_lab.mesh.core import MeshGraph, mesh_graph
 from nurbs_lab.mesh.distance import Deviation
+from nurbs_lab.mesh.repair import repair_mesh
 from nurbs_lab.mesh.slicing.contours import Contour, Layer
 from nurbs_lab.mesh.slicing.planes import slice_mesh
 from nurbs_lab.mesh.solid.faces import Face
@@ -89,6 +90,7 @@ __all__ = [
     "mesh_from_points",
     "mesh_graph",
     "reconstruct",
+    "repair_mesh",
     "skin",
     "slice_mesh",
 ]

@@ -10,7 +10,7 @@ from nurbs_lab.mesh.formats import shape_in
 from nurbs_lab.mesh.formats.shape import triangles_in
 
 UNITS = {  # in mm; the long names are those of 3MF
-    "mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "inch": 25.4, "ft": 304.8,
+    "mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "inch": 25.4, "in": 25.4, "ft": 304.8,
     "millimeter": 1.0, "centimeter": 10.0, "meter": 1e3, "micron": 1e-3, "foot": 304.8,
 }  # fmt: skip
 _USUAL_SIZE = 1.0, 1e4  # mm, of a part whose file states no unit; others are warned of
@@ -66,7 +66,7 @@ def read_file(path, unit=None):
     """
     as_file("mesh", path)
     if unit is not None:
-        as_choice("unit", unit, tuple(UNITS))
+        unit = as_choice("unit", unit.lower() if isinstance(unit, str) else unit, tuple(UNITS))
     try:
         with np.errstate(all="ignore"):  # of damaged numbers
             shape = shape_in(path)
@@ -85,7 +85,10 @@ def read_file(path, unit=None):
 def _about_size(path, shape, points, unit):
     size = extent(points)
     if unit is None and path.suffix.lower() == ".glb":
-        yield "a GLB is in metres, so its numbers are taken times 1000; read it with unit='mm' if they are mm"
+        yield (
+            "a GLB is in metres, so its numbers are taken times 1000; read it with unit='mm' if they are mm. "
+            "Its y axis points upwards by its format, and is kept"
+        )
     elif unit is None and shape.unit is None and not _USUAL_SIZE[0] <= size <= _USUAL_SIZE[1]:
         yield f"it is {size:.3g} mm across and states no unit; read it with unit= if its numbers are not mm"
 

@@ -15,6 +15,7 @@ from nurbs_lab.mesh.core import (
     enclosed_volume,
     face_normals,
     linked,
+    mesh_graph,
     opposite_of,
     tails_and_heads,
     unit,
@@ -48,6 +49,39 @@ class ClosedSurface:
     is_void: bool
     volume: float
     meets: bool = False
+
+
+def repair_mesh(mesh):
+    """The closed surfaces of a damaged mesh as one mesh, such as `reconstruct` works on.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh, pyvista.PolyData, file name or MeshGraph
+
+    Returns
+    -------
+    trimesh.Trimesh
+        Wound away from the material. Its ``metadata["repairs"]`` says what was mended, and what was not.
+
+    Raises
+    ------
+    ValueError
+        If a hole is too large to be filled, or the mesh encloses nothing; the message says where.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> import nurbs_lab as nl
+    >>> box = trimesh.creation.box()
+    >>> torn = trimesh.Trimesh(box.vertices, box.faces[1:])
+    >>> whole = nl.mesh.repair_mesh(torn)
+    >>> whole.is_watertight, whole.metadata["repairs"]
+    (True, ('1 pinhole filled',))
+    """
+    import trimesh
+
+    surfaces, repairs = closed_surfaces(mesh_graph(mesh))
+    return trimesh.Trimesh(*_joined(surfaces), process=False, metadata={"repairs": repairs})
 
 
 def closed_surfaces(graph) -> tuple[list[ClosedSurface], tuple[str, ...]]:
@@ -298,12 +332,17 @@ def _bodies(vertices, triangles, opposite, size, repairs):
     return out
 
 
+def _joined(surfaces):
+    """Vertices and triangles of all surfaces."""
+    begins = np.cumsum([0, *(len(one.vertices) for one in surfaces)])[:-1]
+    corners = np.concatenate([one.triangles + b for one, b in zip(surfaces, begins, strict=True)])
+    return np.concatenate([one.vertices for one in surfaces]), corners
+
+
 def _compared(surfaces, size, repairs):
     """The surfaces, told which meet; those that cross and bodies inside others, counted twice, are named."""
     owner = np.repeat(np.arange(len(surfaces)), [len(one.triangles) for one in surfaces])
-    begins = np.cumsum([0, *(len(one.vertices) for one in surfaces)])[:-1]
-    corners = np.concatenate([one.triangles + b for one, b in zip(surfaces, begins, strict=True)])
-    points = np.concatenate([one.vertices for one in surfaces])
+    points, corners = _joined(surfaces)
     inwards = -np.concatenate([vertex_normals(one.vertices, one.triangles)[0] for one in surfaces])
     partner = crossing_triangles(points, corners)
     near, body = np.flatnonzero(partner >= 0), np.array([one.body for one in surfaces])[owner]

@@ -66,7 +66,7 @@ def _path_of(item, name):
 
 def _placing(item):
     """The matrix ``(4, 4)`` that a row (x, y, z, 1) is multiplied by."""
-    _require_known(item, "objectid", "transform", "partnumber")
+    _require_known(item, "objectid", "transform", "partnumber", "printable")  # the last is of slicers
     placed = np.eye(4)
     if item.get("transform"):
         placed[:, :3] = np.array(item.get("transform").split(), dtype=float).reshape(4, 3)

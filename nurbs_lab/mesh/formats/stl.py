@@ -24,11 +24,16 @@ def read(data):
     count = binary_stl_count(len(data), data[:HEADER_BYTES])
     if count >= 0:
         return _welded(np.frombuffer(data, RECORD, offset=HEADER_BYTES)["corners"])
-    if not _SOLID.match(data) or b"\0" in data:
+    text = data.removeprefix(b"\xef\xbb\xbf").rstrip(b"\0")
+    if not _SOLID.match(text) or b"\0" in text:
+        what, begins = "it is neither text that begins with 'solid' nor binary", text[:HEADER_BYTES].split()
         if len(data) < HEADER_BYTES:
-            raise ValueError(f"it is neither text that begins with 'solid' nor binary: {len(data)} bytes")
+            raise ValueError(f"{what}: {len(data)} bytes")
+        if b"".join(begins).decode("latin-1").isprintable():
+            raise ValueError(f"{what}; it begins with {b' '.join(begins).decode('latin-1')[:40]!r}")
         count, fits = int.from_bytes(data[80:84], "little"), (len(data) - HEADER_BYTES) / RECORD.itemsize
         raise ValueError(f"its header counts {count} triangles, but its length is that of {fits:.6g}")
+    data = text
     rows, starts, at = [], [], 0
     while solid := _SOLID.match(data, at):
         at = solid.end()

@@ -1,5 +1,6 @@
 """Cut a mesh by parallel planes."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +46,11 @@ def slice_mesh(mesh, heights, axis="z", *, fill="even-odd", executor=None) -> li
     ValueError
         If a height is not finite, the axis has no direction, or the mesh has no triangles.
 
+    Warns
+    -----
+    UserWarning
+        If a contour is open, so that its area counts 0; `repair_mesh` closes small gaps.
+
     Notes
     -----
     A vertex on a plane counts as above it. So a plane through a flat top face gives its outline, and one
@@ -71,6 +77,9 @@ def slice_mesh(mesh, heights, axis="z", *, fill="even-odd", executor=None) -> li
     else:
         graph = mesh_graph(mesh)
         layers = layers_of(graph, levels, frame, fill) if len(levels) else []
+    if count := sum(layer.open_ends > 0 for layer in layers):
+        said = f"mesh has gaps: contours of {count} of {len(layers)} layers are open, and their area counts 0"
+        warnings.warn(f"{said}; close it with nurbs_lab.mesh.repair_mesh", stacklevel=3)
     return [layers[i] for i in place]
 
 

@@ -71,8 +71,10 @@ def test_a_table_whose_last_line_has_no_end_is_warned_of(tmp_path):
         ("a.csv", "y,z,x\n2,3,1\n"),
         ("a.csv", '# of a probe\n"Z [m]",X (cm),y\n0.003,0.1,2\n'),
         ("a.txt", "# z x y\n3 1 2\n"),  # as NumPy writes it
+        ("a.txt", "1, 2, 3\n"),
+        ("a.csv", "1 2 3\n"),
     ],
 )
-def test_a_header_names_the_columns_and_units_of_points(tmp_path, name, text):
+def test_a_table_of_points_with_a_header_that_names_its_columns_or_none(tmp_path, name, text):
     (tmp_path / name).write_text(text)
     np.testing.assert_allclose(nl.read(tmp_path / name), [(1, 2, 3)])

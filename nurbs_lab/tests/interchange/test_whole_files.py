@@ -171,8 +171,10 @@ CURVE_OF_JSON = """{"shape": {"type": "curve", "data": [{"degree": 1, "knotvecto
             "id,x,y\n1,2,3\n",
             "its first line 'id,x,y' is neither .* names .* leave other columns out",
         ),
+        ("a.txt", "1 2 3 255 0 0\n", "its rows have 6 numbers; leave all columns but x, y and z out"),
         ("a.csv", "x,y[acre]\n1,2\n", "its first line .* is neither numbers nor names"),
         ("a.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n", "mesh has no triangles; give one that has faces"),
+        ("a.stl", "version of a file " * 9, "it is neither text .*; it begins with 'version of a file"),
         ("a.stl", "", "it is neither text that begins with 'solid' nor binary: 0 bytes"),
     ],
 )

@@ -113,6 +113,7 @@ FACETS = "".join(
         f"solid a\n{FACETS}endsolid a\nsolid b\nendsolid b\n",
         f"solid a\r{FACETS.replace(chr(10), chr(13)).replace('endloop', 'end loop')}endsolid a\r",
         f"  solid endsolid\n{FACETS.replace('endfacet', 'end facet')}\n\tend solid endsolid\n\n",
+        f"\ufeffsolid a\n{FACETS}endsolid a\n\0",
     ],
 )
 def test_text_of_stl_by_its_grammar(text, tmp_path):
@@ -209,7 +210,7 @@ def test_units_and_placements_of_packages(tmp_path):
             archive.writestr("3D/a.model", (MODEL % number).replace(old, new, 1))
         return tmp_path / "part.3mf"
 
-    mesh = nl.read(package(2))
+    mesh = nl.read(package(2, "<item ", '<item printable="1" '))  # as slicers write
     assert mesh.volume == pytest.approx(25.4**3 * (1 + 8) / 6)  # mirrored, and wound rightly
     assert mesh.bounds / 25.4 == pytest.approx(np.array([(0, 0, -2), (7, 9, 1)]))
     assert nl.read(package(2), unit="cm").volume == pytest.approx(1000 * 1.5)
@@ -288,7 +289,7 @@ def test_scenes_that_would_be_read_wrongly_are_refused(change, tmp_path):
 
 
 def test_a_part_of_an_odd_size_without_a_unit_is_asked_for_it(tmp_path):
-    for size, unit, factor in ((0.02, "m", 1e3), (2e4, "um", 1e-3)):
+    for size, unit, factor in ((0.02, "m", 1e3), (2e4, "um", 1e-3), (0.02, "IN", 25.4)):
         file = tmp_path / "part.obj"
         trimesh.creation.box((size, size, size)).export(file)
         with pytest.warns(UserWarning, match="across and states no unit"):

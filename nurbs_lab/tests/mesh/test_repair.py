@@ -9,7 +9,7 @@ import pytest
 import pyvista
 import trimesh
 
-from nurbs_lab.mesh import mesh_graph
+from nurbs_lab.mesh import mesh_graph, repair_mesh, slice_mesh
 from nurbs_lab.mesh.repair import closed_surfaces
 
 BOX, BALL = trimesh.creation.box(), trimesh.creation.icosphere(subdivisions=3)
@@ -142,3 +142,13 @@ def test_a_surface_that_crosses_itself_is_named_and_one_that_comes_near_is_not()
 def test_what_is_too_large_to_mend_is_refused_by_its_kind_and_place(mesh, said):
     with pytest.raises(ValueError, match=said):
         closed_surfaces(mesh_graph(mesh))
+
+
+def test_slices_of_a_repaired_mesh_are_whole():
+    torn = divided_edge(0.5)
+    mesh = repair_mesh(both(trimesh.Trimesh(torn.vertices, torn.faces, process=False), moved(BALL, 5, 0, 0)))
+    assert mesh.metadata["repairs"] == ("1 T-junction closed",)
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(1.0 + BALL.volume)
+    (layer,) = slice_mesh(mesh, [0.1])
+    assert layer.area == pytest.approx(1.0 + slice_mesh(BALL, [0.1])[0].area)
