@@ -148,8 +148,12 @@ class Commands(Shapes):
     def _machine(self, code, value, taken, block):
         word = f"M{code:g}" if self.heidenhain else "SUPA or G153" if code == 1530 else f"G{code / 10:g}"
         self.left_out[word, "a position of the machine, and left out, as are rapid moves from there"] += 1
-        for i, axis in enumerate(AXES):  # all of them go home if none is named
-            if self.known[i] and (axis in taken or not (taken or code in (91, 92, 530, 1530))):
+        self._forget(taken.keys() - {"P"} or ({} if code in (91, 92, 530, 1530) else AXES))
+
+    def _forget(self, axes):
+        """The machine has moved these to places of its own; all of them if none is named."""
+        for i, axis in enumerate(AXES):
+            if self.known[i] and axis in axes:
                 self.known[i] = None
 
     def _unit(self, code, value, taken, block):
@@ -188,7 +192,7 @@ class Commands(Shapes):
             for _ in given:
                 self.left_out["G43.1", "a length of the tool, and left out"] += 1
             return
-        if value in ("G52", "G92") and not taken:
+        if value in ("G52", "G92") and not (taken or "E" in block):
             self.left_out[value, "without an axis, and moves nothing"] += 1
         if value == "G52":
             for i in given:

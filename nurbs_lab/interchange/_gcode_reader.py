@@ -16,9 +16,9 @@ import numpy as np
 from nurbs_lab.interchange import _gcode_table as table
 from nurbs_lab.interchange._gcode_commands import OTHER_AXES, Commands
 from nurbs_lab.interchange._gcode_flow import Flow
-from nurbs_lab.interchange._gcode_shapes import MOST_COORDINATE, WORDS, shown_words
+from nurbs_lab.interchange._gcode_shapes import AXES, MOST_COORDINATE, WORDS, shown_words
 from nurbs_lab.interchange._gcode_table import LETTERED
-from nurbs_lab.interchange._gcode_words import MACRO, ORDER, lines_of, shown, words_of
+from nurbs_lab.interchange._gcode_words import MACRO, ORDER, PRINTED, PRINTER, lines_of, shown, words_of
 from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_curve
 from nurbs_lab.machining.program import Program
 
@@ -59,6 +59,8 @@ class _Interpreter(Commands):
         self.cycle, self.hole, self.level, self.retract, self.saved = 0, {}, 0.0, None, {}
         self.holes, self.due = None, False  # a cycle that blocks elsewhere call, and whether this one does
         self.heidenhain = head is not None
+        self.printed = not self.heidenhain and PRINTER.search("\n".join(lines)) is not None
+        self.orders = Counter()  # of a printer
         self.fanuc = bool(self.flow.programs) or any("G54.1" in line or "G154" in line for line in lines)
         if head == "INCH":
             self.unit = self.feed_length = 25.4
@@ -93,11 +95,15 @@ class _Interpreter(Commands):
         subs = ", ".join(f"o<{name.lower()}>" for name in self.flow.subs)
         if not self.kinds:
             yield "it holds no move" + (f"; it defines the subroutines {subs}" if subs else "")
-        if not self.ended and (self.kinds or not subs):
+        if not (self.ended or self.printed) and (self.kinds or not subs):
             yield "it has no end of a program (M2, M30, % or END PGM); it may be cut off"
-        printed = any(word == "E" or "printer" in why for word, why in self.left_out)
-        if self.kinds and not (self.heidenhain or printed or self.codes & UNIT_CODES):
+        if self.kinds and not (self.heidenhain or self.printed or self.orders or self.codes & UNIT_CODES):
             yield "it has no G20 or G21; its numbers are taken as mm"
+        if self.orders:
+            said = (
+                f"orders of a printer in {self.orders.total()} of its blocks are left out, and so are their"
+            )
+            yield f"{said} moves: {', '.join(self.orders)}"
         for (word, why), count in self.left_out.items():
             yield f"{word} in {count} of its blocks is {why}"
         if self.open_start:
@@ -121,7 +127,7 @@ class _Interpreter(Commands):
         if text[:1] == "%":
             self._end_of_tape(text)
             return
-        of_printers = not self.heidenhain and (text[:1] in ("M", "N") or text[1:2].isalpha())
+        of_printers = not self.heidenhain and (self.printed or text[:1] in ("M", "N") or text[1:2].isalpha())
         if not text or (of_printers and self._is_of_printers(text)):
             return
         before = self.motion
@@ -203,11 +209,15 @@ class _Interpreter(Commands):
             self.left_out[letter, "another axis than X, Y and Z, and left out"] += 1
 
     def _is_of_printers(self, text):
-        order = MACRO.match(text) or ORDER.match(text)
+        """Leave out an order of a printer, and forget where the axes are that it may have moved."""
+        order = MACRO.match(text) or ORDER.match(text) or (self.printed and PRINTED.match(text))
+        if order and order[1][0] == "G":
+            code = round(10 * float(order[1][1:]))
+            if code in table.OF_PRINTERS:
+                return False
+            self._forget((code == 280 and set(order[2]) & set(AXES)) or AXES)
         if order:
-            alone = len(order[1]) < 4 or re.match(r"[A-Z]+_|.*[XYZF]|M220\b.*S(?!100\b)", text)
-            named = order[1] if alone else f"M{min(float(order[1][1:]) // 100, 2):g}00 or above"
-            self.left_out[named, "an order of a printer, and left out"] += 1
+            self.orders[order[1]] += 1
         return order
 
     def _set_feed(self, value):

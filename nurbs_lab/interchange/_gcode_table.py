@@ -64,7 +64,7 @@ G_WORDS = {
     921: ("shift", "none", ""),
     922: ("shift", "off", ""),
     923: ("shift", "on", ""),
-    **dict.fromkeys((280, 290, 300, 530, 1530), ("machine", None, ALL_AXES)),
+    **dict.fromkeys((280, 290, 300, 530, 1530), ("machine", None, ALL_AXES + "P")),  # G30 P2
 }
 COMPENSATED = "compensates the radius of the cutter; compute the path of its centre"
 TURNED = "is a cycle of a lathe or for boring; write its moves out"
@@ -77,6 +77,9 @@ REFUSED = {
     ),
     **dict.fromkeys((331, 711, 712, 720, 721, 722, 760, 870, 880), TURNED),
 }
+#: Tenths of the G words that printers know too; with any other one they may move as only they know.
+OF_PRINTERS = G_WORDS.keys() | REFUSED.keys()
+OF_PRINTERS -= {120, 130, 260, 280, 290, 300, 330, *range(380, 386), 420, 610, 760, 1500, *range(800, 900)}
 #: M words with a meaning that LinuxCNC or Heidenhain knows, or leaves to its users.
 MACHINE = {*range(10), 13, 14, 17, 19, 30, *range(48, 54), *range(60, 74), 91, 92, *range(97, 200)}
 #: M words, not of Heidenhain and of it -> the letters after them that they take.

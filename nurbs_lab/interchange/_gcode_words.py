@@ -38,7 +38,6 @@ REWRITTEN = {
     ("ADIS", r"\bADIS(?:POS)?[ \t]*=[ \t]*[\d.]+"): "",  # how far G641 rounds a corner
     ("TURN=", r"TURN=([\d.]+)"): r" P[1+\1]",  # full turns before the arc
     ("M11", r"^[ \t]*(?:N\d+[ \t]*)?M11[78]\b[^\n]*"): "",
-    ("G2", r"G2[89](?:[ \t]+[A-Z])+[ \t]*$"): lambda found: re.sub(r"\b[A-Z]\b", r"\g<0>0", found[0]),
     ("WHILE", r"WHILE[ \t]*(\[[^\n]*\])[ \t]*DO[ \t]*(\d)"): r"O<DO\2> WHILE \1",
     ("END", r"END[ \t]*(\d)"): r"O<DO\1> ENDWHILE",
     ("GOTO", r"(?:IF[ \t]*(\[[^\n]*\])[ \t]*GOTO|GOTO)[ \t]*(\d+)"): lambda found: (
@@ -65,13 +64,25 @@ NO_WORDS = {
     r"\bF(?:[UZ][\d.]|T| AUTO)": "gives its feed by the turn, the tooth, the time or the tool",
     r"\b[QR]\d+\s*=|=\s*[QR]\d|[A-Z][-+]?Q\d|#<_R\d": "holds parameters that this reader does not know",
 }
-#: Macros of a printer, and its M words, which take all that follows in their block.
+#: What shows a printer: an E word beside a move, a heater, and G28 or G29 with a letter that has no number.
+PRINTER = re.compile(
+    r"^(?:N\d+[ \t]*)?(?:G(?:0*[0-3]|92)(?![\d.])[^\n]*(?<![A-Z])E[-+.\d]|M1(?:04|09|40|90)[ \t]*S\d"
+    r"|G2[89][ \t]+[A-Z](?=[ \t\v]*(?:$|[A-Z])))",
+    re.MULTILINE,
+)
+#: Macros of a printer, and its M words, which take all that follows in their block; those of its own files.
 MACRO = re.compile(r"([A-Z]+_\w*)(?!\S)")
 ORDER = re.compile(
-    r"(?:N\d+\s*)?(M(?:48(?=\s*[PXYV])|73(?=\s*[PQRSD]\d)|84|92|"
+    r"(?:N\d+\s*)?(M(?:48(?=\s*[PXYV])|73(?=\s*[PQRSD]\d)|(?:17|18|74)(?=\s*[XYZE])|84|92|"
     rf"(?!198|1\d\d(?:\s*[PQ]{NUMBER})*\s*$)[1-9]\d\d+(?:\.\d)?))"
     r'\s*[A-Z](?:"[^"]*"|[^"G])*$'
 )
+PRINTED = re.compile(
+    r"(?:N\d+\s*)?(M(?!(?:0*2|30|9[89])(?![\d.])|198)[\d.]+|G(?!0*[0-3](?![\d.]))[\d.]+)"
+    r'((?:"[^"]*"|[^"G])*)$'
+)
+#: A number glued to a signed exponent, as languages write it, but G1E-1 and F1800E-1 of printers.
+EXPONENT = re.compile(rf"(?<=[A-CI-KP-RU-Z=]){NUMBER}E[-+]\d+(?![\d.])")
 FIRST_OF_MACHINE = 5000  # of the numbered parameters; and the names that LinuxCNC lets no program set
 NAME_OF_MACHINE = re.compile(
     "_(?:(?:ABS_)?[A-CU-Z]|(?:CURRENT|SELECTED)_(?:TOOL|POCKET)|(?:FEED|SPEED)_OVERRIDE|FEED(?:_HOLD)?|RPM"
@@ -115,7 +126,9 @@ def lines_of(data):
     if re.match(r"%\S*[ \t]+G7[01]\b", text):
         raise ValueError("line 1: it is G-code of Heidenhain; give the program in its plain language")
     head = re.search(r"BEGIN PGM[^\n]*?\b(MM|INCH)?[ \t]*$", text, re.MULTILINE)
-    text = re.sub(r"(?<=\d),(?=\d)", ".", text) if head else text
+    if head:
+        text = re.sub(r"(?<=\d),(?=\d)", ".", text)
+        text = EXPONENT.sub(lambda found: f"{float(found[0]):.15f}", text)
     for (mark, pattern), meaning in REWRITTEN.items():
         if mark in text:
             text = re.sub(pattern, meaning, text, flags=re.MULTILINE)
@@ -127,6 +140,9 @@ def lines_of(data):
         text = re.sub(r"^[ \t]*TOOL CALL([^\n]*)", _tool_call, text, flags=re.MULTILINE)
         text = re.sub(r"\bM0?(?:30|2)\b", "", text)  # END PGM alone shows that the file is whole
         text = re.sub(r"^[ \t]*END PGM[^\n]*", "M30", text, flags=re.MULTILINE)
+    elif found := EXPONENT.search(text):
+        said = f"{found[0]} has an exponent, which controllers do not read; write its digits, or a blank"
+        raise ValueError(f"line {text.count(chr(10), 0, found.start()) + 1}: {said} before E")
     keywords = HEIDENHAIN if head else KEYWORDS
     if used := [word for word in keywords if word in text]:
         longest = "|".join(  # no value may follow what stands for none

@@ -76,6 +76,8 @@ REFUSED = [
     ("#1=0.2\nG1 X##1", r"line 5: #0\.2 is no parameter"),
     ("G1 @5", r"line 4: @ and \^ need G17, .* and \^ at the origin"),
     ("G91 G1 @5 ^3", r"line 4: @ and \^ need G17, .* and \^ at the origin"),
+    ("G1 X6.1e-16 Y5", r"line 4: 6\.1E-16 has an exponent, .* write its digits, or a blank before E"),
+    ("#1=2.e+3", r"line 4: 2\.E\+3 has an exponent"),
     ("G1 X5\n%MPF2\nX6", r"line 5: '%MPF2' begins another program"),
     ("O1 sub\nO1 endsub\nO1 sub\nO1 endsub", r"line 6: 'O1 SUB' has the name of line 4"),
     ("O1 if [1]\nO1 endif\nO1 if [1]\nO1 endif", r"line 6: 'O1 IF \[1\]' has the name of line 4"),

@@ -19,6 +19,24 @@ def test_programs_by_their_usual_suffixes(tmp_path, suffix):
     np.testing.assert_array_equal(ends(one.moves), ends(two.moves))
 
 
+@pytest.mark.parametrize(
+    ("order", "count"),
+    [
+        *(("G29 P9 X1 Y2 W3 H4", 1), ("G80", 1), ("G28 O", 1), ("G150.3", 1), ("G28 W ; all", 1)),
+        *(("M17 X1 Y2", 2), ("M42 P1 S9", 2), ("M0", 2), ("M117 G1 X7", 2), ("G28 Z (home)\nG1 Z1", 2)),
+    ],
+)
+def test_orders_of_a_printer_are_left_out_and_named_at_once(tmp_path, recwarn, order, count):
+    """With the cut from where one of them has moved; its retraction is no exponent, and M84 an end."""
+    text = f"G1 X0 Y0 Z1 F600\nM104 S9\n{order}\nG1X5Y2Z1 E-1\nG1E-1\nX9\nM84"
+    moves = program(tmp_path, "G21 G90\nG92 E0\n" + text).moves
+    np.testing.assert_allclose(ends(moves)[-count:], [(5, 2, 1), (9, 2, 1)][-count:])
+    assert len(moves) == count + 1
+    said = [str(one.message) for one in recwarn]
+    assert sum("orders of a printer" in one for one in said) == 1
+    assert not any("cut off" in one or "G92" in one for one in said)
+
+
 @pytest.mark.parametrize("gone", ["G91 G28 Z0\nG90", "G30 Z5", "G53 G0 Z100", "SUPA G0 Z100 D0", "G28"])
 def test_an_axis_that_the_machine_moved_has_no_position(tmp_path, gone):
     text = f"G1 Z-2\n{gone}\nG0 X20\nG1 X25\nG91 G81 Z-1 R0\nG90 G0 X0 Y0 Z5\nG1 Z-1\nX30\nM2"
