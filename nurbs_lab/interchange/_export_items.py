@@ -53,7 +53,8 @@ def _kind_of(item):
         if all(hasattr(item, name) for name in told) if isinstance(told, tuple) else isinstance(item, told):
             return kind
     kinds = "NurbsCurve, NurbsSurface, Reconstruction, ToolPath or Program"
-    raise TypeError(f"items must be {kinds}, got {type(item).__name__}")
+    cure = "nurbs_lab.smooth makes a curve of points, such as the ring_3d of a contour"
+    raise TypeError(f"items must be {kinds}, got {type(item).__name__}; {cure}")
 
 
 def _flat(items, around=()):
