@@ -9,7 +9,7 @@ suffix                  what `export` writes, and `read` gives back
 ``.obj`` ``.stl``       surfaces as triangles, reconstructions as closed meshes; a `trimesh.Trimesh`
 ``.ply`` ``.off``       only read, as ``.3mf`` ``.glb`` are: a `trimesh.Trimesh`, or the points of a PLY
 ``.ngc``                a curve, tool path or program for a machine tool; a `Program`
-``.nc`` ``.mpf`` ``.h`` only read: the same, as ``.gcode`` ``.tap`` ``.cnc`` are; a `Program`
+``.nc`` ``.mpf`` ``.h`` only read: the same, as ``.gcode``, ``.spf`` and others are; a `Program`
 ``.csv`` ``.txt``       a tool path, a table ``t,u,x,y[,z],v`` (only a ``.csv``); a `PathTable`, or points
 ======================  =====================================================================================
 
@@ -58,7 +58,8 @@ __all__ = ["DIALECTS", "Setup", "blend", "export", "read", "smooth"]
 _FORMATS = {".step": "_step", ".stp": "_step", ".iges": "_iges", ".igs": "_iges", ".json": "_json"}
 _FORMATS |= {".obj": "_triangles", ".stl": "_triangles", ".ngc": "_gcode", ".csv": "_table"}
 _READABLE = _FORMATS | {".ngc": "_gcode_reader", ".txt": "_table"}
-_READABLE |= dict.fromkeys((".nc", ".mpf", ".h", ".gcode", ".tap", ".cnc"), "_gcode_reader")
+_PROGRAMS = ".nc", ".mpf", ".h", ".gcode", ".tap", ".cnc", ".spf", ".min", ".eia", ".gco"
+_READABLE |= dict.fromkeys(_PROGRAMS, "_gcode_reader")
 _READABLE |= dict.fromkeys((".ply", ".off", ".3mf", ".glb"), "_triangles")
 
 
@@ -224,5 +225,6 @@ def _format_of(path, modules):
     path = as_path("path", path)
     suffix = path.suffix.lower()
     if suffix not in modules:
-        raise ValueError(f"path: unknown suffix {suffix!r} of {path.name!r}; known: {', '.join(modules)}")
+        said = f"unknown suffix {suffix!r} of {path.name!r}; known: {', '.join(modules)}"
+        raise ValueError(f"path: {said}" + "; name a program .nc" * (modules is _READABLE))
     return path, importlib.import_module(f"nurbs_lab.interchange.{modules[suffix]}")

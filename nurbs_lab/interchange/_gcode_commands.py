@@ -16,6 +16,10 @@ class Commands(Shapes):
     def _commands(self, codes, machine, lettered, block):
         """Each command takes its letters; motions come last, as what is left of the block is theirs."""
         self.codes.update(codes)
+        cycles = self.lathe and not block.keys().isdisjoint("XZxz") and table.OF_LATHES.intersection(codes)
+        if cycles and all(table.G_WORDS.get(code, "?")[0] != "motion" for code in codes):
+            said = f"G{min(cycles) / 10:g} beside an axis is a cycle of a lathe"
+            raise ValueError(f"{said}; write its moves out, or give it its own block")
         for number in machine:
             self._order(number, block)
         chosen, owned = {}, self.owned
@@ -72,6 +76,8 @@ class Commands(Shapes):
             if block.keys() & set(ALL_AXES):
                 raise ValueError("M98 has an axis beside it; give the call its own block")
             self.flow.call_program(int(block.pop("P", 0)), int(block.pop("L", 1)))
+        if number == 99 and "P" in block:
+            raise ValueError(f"M99 P{block['P']:g} goes to a block; write GOTO {block['P']:g}")
         if not self.due:
             last = number == 17 and not "".join(self.lines[self.line :]).strip("% ")  # ends one of Siemens
             self.ended |= self.flow.end_program() if number == 99 else last or number in (2, 30)
@@ -139,7 +145,7 @@ class Commands(Shapes):
         raise ValueError(f"G{code / 10:g} {why}")
 
     def _dwell(self, code, value, taken, block):
-        given = block.keys() & set("P" if "P" in block else "XUFS")
+        given = block.keys() & set("P" if "P" in block else "XUFSx")
         if not given:
             raise ValueError(f"G{code // 10} has no time; give it, such as P1")
         for letter in given:
@@ -148,7 +154,9 @@ class Commands(Shapes):
     def _machine(self, code, value, taken, block):
         word = f"M{code:g}" if self.heidenhain else "SUPA or G153" if code == 1530 else f"G{code / 10:g}"
         self.left_out[word, "a position of the machine, and left out, as are rapid moves from there"] += 1
-        self._forget(taken.keys() - {"P"} or ({} if code in (91, 92, 530, 1530) else AXES))
+        self._forget(
+            {axis.upper() for axis in taken.keys() - {"P"}} or ({} if code in (91, 92, 530, 1530) else AXES)
+        )
 
     def _forget(self, axes):
         """The machine has moved these to places of its own; all of them if none is named."""
@@ -157,7 +165,7 @@ class Commands(Shapes):
                 self.known[i] = None
 
     def _unit(self, code, value, taken, block):
-        if code in UNITS_OF_PATHS and block.keys() & {"P", "Q", "R"}:
+        if code in UNITS_OF_PATHS and block.keys() & set("PQRL"):
             raise ValueError(f"G{code // 10} {table.TURNED}")
         if "F" in block and value != self.unit and self.kinds:
             self.left_out["F", f"beside G{code // 10} and in its unit; LinuxCNC takes the one before"] += 1

@@ -36,6 +36,8 @@ def hole_of_siemens(found):
 def hole_of_heidenhain(found):
     """A cycle of Heidenhain, which M99 calls; K is the pitch of a thread. Shrinking pecks are refused."""
     given = {int(key): float(value) for key, value in re.findall(rf"Q(\d+)\s*=\s*({NUMBER})", found[2])}
+    if found[1] == "247" and 339 in given:  # the preset
+        return f"G247 P{given[339]}" + "\n" * found[0].count("\n")
     surface = math.nan if given.get(212) else given.get(203, math.nan)
     heights = {"I": given.get(200, math.nan), "Z": surface + given.get(201, math.nan)}
     heights |= {"R": surface + heights["I"], "L": surface + max(heights["I"], given.get(204, 0.0))}

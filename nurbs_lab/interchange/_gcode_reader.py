@@ -18,7 +18,17 @@ from nurbs_lab.interchange._gcode_commands import OTHER_AXES, Commands
 from nurbs_lab.interchange._gcode_flow import Flow
 from nurbs_lab.interchange._gcode_shapes import AXES, MOST_COORDINATE, WORDS, shown_words
 from nurbs_lab.interchange._gcode_table import LETTERED
-from nurbs_lab.interchange._gcode_words import MACRO, ORDER, PRINTED, PRINTER, lines_of, shown, words_of
+from nurbs_lab.interchange._gcode_words import (
+    LATHE,
+    MACRO,
+    MILL,
+    ORDER,
+    PRINTED,
+    PRINTER,
+    lines_of,
+    shown,
+    words_of,
+)
 from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_curve
 from nurbs_lab.machining.program import Program
 
@@ -51,7 +61,7 @@ class _Interpreter(Commands):
         self.lines, self.flow, self.line, self.ended, self.begun = lines, Flow(lines), 0, False, False
         #: Of an axis: False until a block gives its position, None once the machine has moved it elsewhere.
         self.position, self.known = [0.0, 0.0, 0.0], [False] * 3
-        self.motion, self.plane, self.unit, self.absolute, self.absolute_arcs = None, 17, 1.0, True, False
+        self.motion, self.unit, self.absolute, self.absolute_arcs = None, 1.0, True, False
         self.before, self.resumed = None, False  # of a cycle: its motion before, which may go on after G80
         self.clockwise, self.pole, self.mirrored, self.polar = True, None, None, False
         self.feed, self.feed_length, self.feed_unit, self.per = NO_FEED, 1.0, 1 / 60, "minute"
@@ -59,7 +69,9 @@ class _Interpreter(Commands):
         self.cycle, self.hole, self.level, self.retract, self.saved = 0, {}, 0.0, None, {}
         self.holes, self.due = None, False  # a cycle that blocks elsewhere call, and whether this one does
         self.heidenhain = head is not None
-        self.printed = not self.heidenhain and PRINTER.search("\n".join(lines)) is not None
+        text = "" if self.heidenhain else "\n".join(lines)
+        self.printed, self.lathe = PRINTER.search(text), not MILL.search(text) and LATHE.search(text)
+        self.plane = 18 if self.lathe else 17
         self.orders = Counter()  # of a printer
         self.fanuc = bool(self.flow.programs) or any("G54.1" in line or "G154" in line for line in lines)
         if head == "INCH":
@@ -112,8 +124,9 @@ class _Interpreter(Commands):
                 f"{self.open_start[0]}, and are left out; give their axes a position first"
             )
         turning = 970 in self.codes or self.codes.isdisjoint(10 * code for code in table.CYCLES)
-        if (960 in self.codes or (990 in self.codes and turning)) and not self.codes >= {70, 950}:
-            yield "G96 or G99 is of a lathe; without G7 and G95 X is taken as a radius, and F by the minute"
+        turned = self.lathe or 960 in self.codes or (990 in self.codes and turning)
+        if turned and not self.codes >= {70, 950}:
+            yield "G96, G99 or T0101 is of a lathe; without G7 and G95 X is a radius and F by the minute"
         if self.loose:
             apart, line = max(self.loose)
             yield f"{len(self.loose)} of its arcs miss their ends by up to {apart:.3g} mm, in line {line}"
@@ -167,6 +180,7 @@ class _Interpreter(Commands):
         self.owned.clear()
         block, codes, machine, lettered, theirs, bare = {}, [], [], None, "", set()
         for at, (letter, number) in enumerate(words):
+            letter = {"U": "x", "W": "z"}.get(letter, letter) if self.lathe else letter  # steps of X and Z
             if letter == "G":
                 codes.append(round(10 * number))
                 if abs(10 * number - codes[-1]) > 1e-6:

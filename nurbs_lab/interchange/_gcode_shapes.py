@@ -66,7 +66,7 @@ def by_spans(degree, start, points, weights, given):
     filled = np.flatnonzero(given) if None not in given else range(len(given))
     spans = given[filled[0] : filled[-1] + 1]
     if None in spans or len(spans) != count:
-        raise ValueError(f"its {len(points)} control points need {count} lengths PL of spans of knots")
+        raise ValueError(f"its {len(points)} control points need {count} lengths PL of spans, others 0")
     ends = np.r_[0.0, np.cumsum(spans)]
     return np.r_[[0.0] * degree, ends, [ends[-1]] * degree], points, weights
 
@@ -176,6 +176,8 @@ class Shapes:
             raise ValueError(f"{said}; give them")
         self.position, known = self._target(block)
         self.spline_known &= known
+        if moved and self.motion == "nurbs" and "P" not in block:
+            raise ValueError("the control point has no weight P; give it P1")
         if self.motion == "knots":
             block.pop("Q", None)  # how LinuxCNC is to follow it
         if strange := block.keys() - set(WORDS[self.motion][:3]):
@@ -238,6 +240,8 @@ class Shapes:
         peck, slowly, own = table.CYCLES[self.cycle]
         self.hole |= {letter: block.pop(letter) for letter in (AXES[axis], *own) if letter in block}
         hole = {letter: self.unit * value for letter, value in self.hole.items()}
+        if self.plane == 17 and "L" not in block and "K" in block:
+            block["L"] = block.pop("K")  # of Fanuc
         times = block.pop("L", 1)
         if not all(abs(value) <= MOST_COORDINATE for value in hole.values()):
             raise ValueError(f"its words go beyond {MOST_COORDINATE:g} mm; mend them")

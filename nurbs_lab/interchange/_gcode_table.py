@@ -4,6 +4,7 @@ PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}  # first axis, second axi
 SYSTEMS = [540, 550, 560, 570, 580, 590, 591, 592, 593]  # tenths of G54 to G59.3
 NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)"
 ALL_AXES = "XYZABCUVW"
+OF_LATHES = {900, 920, 940}  # which are cycles there, if an axis stands beside them
 UNITS_OF_PATHS = (700, 710)  # G70 and G71 of Siemens, whose F stays in mm
 #: Canned cycles -> whether they peck (and how far up), come back by the feed, and their letters.
 CYCLES = {81: (None, False, "R"), 83: ("top", False, "RPQ"), 73: ("little", False, "RPQ")}
@@ -19,7 +20,7 @@ G_WORDS = {
     **dict.fromkeys((110, 500), ("nothing", "alone", "S")),  # beside no axes
     **dict.fromkeys((90, 131, 281, 301, 400, 401, 430, 432, 490, 501), ("nothing", None, "")),
     **dict.fromkeys((610, 611), ("path", None, "")),
-    **dict.fromkeys((620, 630, 670, 690, 6000, 6010, 6020), ("nothing", None, "")),
+    **dict.fromkeys((600, 620, 630, 670, 690, 6000, 6010, 6020), ("nothing", None, "")),
     **dict.fromkeys((6410, 6420, 6430, 6440, 6450), ("nothing", None, "")),
     **{10 * code: ("motion", name, "") for code, name in enumerate(("rapid", "line"))},
     **dict.fromkeys((20, 30), ("motion", "arc", "P")),
@@ -52,6 +53,7 @@ G_WORDS = {
     **{code: ("system", i, "") for i, code in enumerate(SYSTEMS)},
     **{10 * code: ("system", code - 501, "") for code in (500, *range(505, 600))},  # of Siemens
     **dict.fromkeys((541, 1540), ("system", 100, "P")),
+    2470: ("system", 300, "P"),  # of Heidenhain
     40: ("dwell", None, ""),
     431: ("offset", "tool", ALL_AXES),
     640: ("path", None, "PQ"),
@@ -64,7 +66,7 @@ G_WORDS = {
     921: ("shift", "none", ""),
     922: ("shift", "off", ""),
     923: ("shift", "on", ""),
-    **dict.fromkeys((280, 290, 300, 530, 1530), ("machine", None, ALL_AXES + "P")),  # G30 P2
+    **dict.fromkeys((280, 290, 300, 530, 1530), ("machine", None, ALL_AXES + "Pxz")),  # G30 P2
 }
 COMPENSATED = "compensates the radius of the cutter; compute the path of its centre"
 TURNED = "is a cycle of a lathe or for boring; write its moves out"

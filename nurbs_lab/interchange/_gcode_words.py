@@ -28,7 +28,14 @@ HEIDENHAIN |= {"FMAX": "m0", "F MAX": "m0"}
 HEIDENHAIN |= {f"I{axis}": axis.lower() for axis in "XYZ"}  # steps, in G90 too
 HEIDENHAIN |= {"LA": "N", "MB": "N", "MAX": "0", "M136": "G95", "M137": "G94"}  # of M120 and M140; feeds
 #: Its lines that move nothing.
-LEFT_OUT = r"^[ \t]*(?:BEGIN PGM|BLK FORM|CYCL DEF 32|TOOL DEF|STOP\b|\*)[^\n]*"
+LEFT_OUT = (
+    r"^[ \t]*(?:BEGIN PGM|BLK FORM|CYCL DEF 32|TOOL DEF|STOP\b|\*|PLANE RESET|FUNCTION RESET TCPM)[^\n]*"
+)
+#: Its shifts, mirrors and turns (7, 8, 10 and 19) back to nothing.
+UNDONE = (
+    r"^[ \t]*CYCL DEF (7|8|1[09])\.0[^\n]*"
+    r"(?:\n[ \t]*CYCL DEF \1\.[1-9](?:[ \t]+(?:ROT|I?[XYZABC])[-+]?[0.]+)*[ \t\v]*$)+"
+)
 #: Steps and absolute words of Siemens, in G90 and G91 -> letter.
 WAYS = {way: dict(zip("XYZIJK", to, strict=True)) for way, to in (("IC", "xyzIJK"), ("AC", "tuvoqr"))}
 #: What every such spelling of Siemens, Heidenhain, printers and Fanuc holds, and it -> that of all others.
@@ -38,6 +45,7 @@ REWRITTEN = {
     ("ADIS", r"\bADIS(?:POS)?[ \t]*=[ \t]*[\d.]+"): "",  # how far G641 rounds a corner
     ("TURN=", r"TURN=([\d.]+)"): r" P[1+\1]",  # full turns before the arc
     ("M11", r"^[ \t]*(?:N\d+[ \t]*)?M11[78]\b[^\n]*"): "",
+    ("THEN", r"IF[ \t]*(\[[^\n]*\])[ \t]*THEN[ \t]*(#\d+)[ \t]*=([^\n(;]*)"): r"\2=[\1*[\3]+[1-\1]*\2]",
     ("WHILE", r"WHILE[ \t]*(\[[^\n]*\])[ \t]*DO[ \t]*(\d)"): r"O<DO\2> WHILE \1",
     ("END", r"END[ \t]*(\d)"): r"O<DO\1> ENDWHILE",
     ("GOTO", r"(?:IF[ \t]*(\[[^\n]*\])[ \t]*GOTO|GOTO)[ \t]*(\d+)"): lambda found: (
@@ -51,11 +59,12 @@ REWRITTEN = {
     ("CYCLE800", r"CYCLE800[ \t]*\([ \t]*\)"): "",
     ("CYCL DEF 2", r"CYCL DEF (2\d\d)\b[^~\n]*~\n((?:.*~\n)*.*)"): hole_of_heidenhain,
 }
+SHIFTED = "shifts, turns, scales or mirrors what follows"
 #: What may stand where a word is due -> why it is refused.
 NO_WORDS = {
+    r"\b(?:A?TRANS|A?ROT|A?SCALE|A?MIRROR|PLANE)\b|CYCL DEF (?:[78]|1[019]|26)\.": SHIFTED,
     r"\b(?:M?CALL|REPEAT|IF|WHILE|FOR|GOTO\w*|LBL|CYCL|PROC|DEF|FN ?\d+)\b": "is a subroutine or a condition",
     r",\s*[ACR]": "rounds or cuts off a corner, or turns by an angle",
-    r"\b(?:A?TRANS|A?ROT|A?SCALE|A?MIRROR|PLANE)\b": "shifts, turns, scales or mirrors what follows",
     r"^(?:N\d+\s*)?[A-Z_]\w+:": "is a label, to which others jump",
     r"\b(?:[CL]T?P|[CL]T|LN|RND|CHF|APPR|DEP)\b|=AC\b": "holds a command that this reader does not know",
     r"\b(?:[A-Z]{2,}\d*|[SM]\d)=": "holds a word of Siemens that this reader does not know",
@@ -63,6 +72,8 @@ NO_WORDS = {
     r"^\$": "is a command to the console of GRBL, not of a program",
     r"\bF(?:[UZ][\d.]|T| AUTO)": "gives its feed by the turn, the tooth, the time or the tool",
     r"\b[QR]\d+\s*=|=\s*[QR]\d|[A-Z][-+]?Q\d|#<_R\d": "holds parameters that this reader does not know",
+    r"^(?:N\d+\s*)?[A-Z_]{2,}\w*[ \t]*\(": "calls what this reader does not know",
+    r"[()]": "holds a bracket within a comment, or one that is not closed; mend it",
 }
 #: What shows a printer: an E word beside a move, a heater, and G28 or G29 with a letter that has no number.
 PRINTER = re.compile(
@@ -81,6 +92,9 @@ PRINTED = re.compile(
     r"(?:N\d+\s*)?(M(?!(?:0*2|30|9[89])(?![\d.])|198)[\d.]+|G(?!0*[0-3](?![\d.]))[\d.]+)"
     r'((?:"[^"]*"|[^"G])*)$'
 )
+#: What shows a lathe: a tool with its offset, or a speed of the spindle before steps U and W; and a mill.
+LATHE = re.compile(r"(?<![A-Z])T\d{4}(?!\d)|G0*9[67](?!\d)(?s:.*)[\n \d][UW][-+.\d]")
+MILL = re.compile(r"M0*6(?!\d)|G0*7(?![\d.])")
 #: A number glued to a signed exponent, as languages write it, but G1E-1 and F1800E-1 of printers.
 EXPONENT = re.compile(rf"(?<=[A-CI-KP-RU-Z=]){NUMBER}E[-+]\d+(?![\d.])")
 FIRST_OF_MACHINE = 5000  # of the numbered parameters; and the names that LinuxCNC lets no program set
@@ -137,6 +151,7 @@ def lines_of(data):
         text = re.sub(r"FN 0:[ \t]*Q(\d+)[ \t]*=", r"#\1=", text)
         text = re.sub(r"\b([XYZF][-+]?)Q(?=\d\d?\b)", r"\1#", text)
         text = re.sub(LEFT_OUT, "", text, flags=re.MULTILINE)
+        text = re.sub(UNDONE, lambda found: "\n" * found[0].count("\n"), text, flags=re.MULTILINE)
         text = re.sub(r"^[ \t]*TOOL CALL([^\n]*)", _tool_call, text, flags=re.MULTILINE)
         text = re.sub(r"\bM0?(?:30|2)\b", "", text)  # END PGM alone shows that the file is whole
         text = re.sub(r"^[ \t]*END PGM[^\n]*", "M30", text, flags=re.MULTILINE)
@@ -173,7 +188,8 @@ def _without_numbers(text):
         if number and last is not None:
             step = step or int(number) - last
             if int(number) - last != step or not rest:
-                raise ValueError(f"line {i + 1}: its block is empty, or one before it is missing or doubled")
+                said = f"line {i + 1}: its block is empty, or one before it is missing or doubled"
+                raise ValueError(f"{said}; mend it, or number anew")
         last = int(number) if number else last
     return "\n".join(lines)
 
@@ -242,7 +258,9 @@ class Scanner:
         at = SPACE.match(self.line, self.at).end()
         if not self.line.startswith(text, at):
             known = [
-                f"{why}; write its moves out" for what, why in NO_WORDS.items() if re.search(what, self.line)
+                why if ";" in why else f"{why}; write its moves out"
+                for what, why in NO_WORDS.items()
+                if re.search(what, self.line)
             ]
             why = (*known, "is no row of words, each a letter and a number; correct or remove it")[0]
             raise ValueError(f"{shown(self.line)} {why}")
@@ -297,7 +315,12 @@ def _both(operation, left, right, parameters):
 
 def _numbered(number):
     if number != int(number) or number < 1:
-        raise ValueError(f"#{number:g} is no parameter, whose numbers are 1, 2 and so on; mend it")
+        why = (
+            "whose numbers are 1, 2 and so on; mend it"
+            if number
+            else "but empty in Fanuc; write what it means"
+        )
+        raise ValueError(f"#{number:g} is no parameter, {why}")
     return number
 
 

@@ -65,7 +65,9 @@ def read(path):
     axes = _axes(names if headed else lines[first - 1].lstrip("# ").split(comma))  # of a comment above
     if headed and not (axes or named):
         said = f"its first line {head[:40]!r} is neither numbers nor names separated by {by}"
-        raise ValueError(f"{said}; name x, y and z, such as 'x[mm]', and leave other columns out")
+        raise ValueError(
+            f"{said}; name x, y and z, such as 'x[mm]', and leave other columns out; or name a program .nc"
+        )
     rows = _numbers(found[headed:], len(names), comma, by)
     as_floats("the table", rows)
     t, points, v = rows[:, 0], rows[:, 2:-1], rows[:, -1]

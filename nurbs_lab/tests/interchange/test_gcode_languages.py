@@ -76,6 +76,7 @@ def test_a_word_of_heidenhain_belongs_to_the_m_word_before_it(tmp_path, block, f
     ("block", "why"),
     [
         ("L X+5 M103 F20", "M103 slows down what plunges"),
+        ("CYCL DEF 7.0 DATUM SHIFT\nCYCL DEF 7.1 X+0\nCYCL DEF 7.2 Y+5", "shifts, turns, scales or mirrors"),
         ("L X+5 M99", "M99 calls what is not in this file"),
         ("L X+5 FU0.2", "gives its feed by the turn, the tooth"),
         ("TOOL CALL 2 Z S Q1\nL X+5 F0.1 M136", "the feed by the turn needs the speed of the spindle"),
@@ -108,18 +109,20 @@ def test_turns_of_siemens_come_before_the_arc(tmp_path, word, turns):
 
 DRILLED = """0 BEGIN PGM A MM
 1 TOOL CALL 1 Z S1000 F300
-2 L X+1 Y+2 Z+20 FMAX M3
-3 CYCL DEF 200 DRILLING ~
+2 CYCL DEF 247 DATUM SETTING ~
+    Q339=+1 ;DATUM NUMBER
+3 L X+1 Y+2 Z+20 FMAX M3
+4 CYCL DEF 200 DRILLING ~
     Q200=+2 ;SET-UP CLEARANCE ~
     Q201=-7 ;DEPTH ~
     Q206=+60 ;FEED RATE ~
     Q202=+4 ;PLUNGING DEPTH ~
     Q203=+1 ;SURFACE COORDINATE ~
     Q204=+9 ;2ND SET-UP CLEARANCE
-4 L FMAX M99
-5 L X+5 FMAX
-6 L X+8 FMAX M99
-7 END PGM A MM"""
+5 L FMAX M99
+6 L X+5 FMAX
+7 L X+8 FMAX M99
+8 END PGM A MM"""
 CALLED = "G17 G90 F60 S1000\nG0 X1 Y2 Z20\n{}\nX1 Y2\nG0 X8\nMCALL\nX5\nM30"
 #: The same two holes, from 3 to -6 in pecks of 4 from the surface at 1, and then up to 10; some by smaller
 #: pecks, of which those of Siemens end in two of equal depth.
@@ -152,6 +155,12 @@ def test_holes_of_siemens_and_heidenhain_are_where_they_are_called(tmp_path, tex
         (["CC X+0 Y+0", "CP IPA-450 Z-5 DR- F60"], (0, -10, -5), np.hypot(25 * np.pi, 5)),
         (["CC X+0 Y+0", "CP PA+180 DR+ F60"], (-10, 0, 0), 10 * np.pi),
         (["CC X+7 Z+0", "CP IPA+90 DR+ F60"], (7, 0, -3), 1.5 * np.pi),  # from Z to X is positive
+        (["PLANE RESET STAY", "FUNCTION RESET TCPM", "L Y+4 F60"], (10, 4, 0), 4.0),
+        (
+            ["CYCL DEF 7.0 DATUM SHIFT", "CYCL DEF 7.1 X+0", "CYCL DEF 7.2 IY+0.0", "L Y+4 F60"],
+            (10, 4, 0),
+            4.0,
+        ),
         (["FN 0: Q5 = +4", "L Y+Q5 F60"], (10, 4, 0), 4.0),
         (["L Y+4,5 F60"], (10, 4.5, 0), 4.5),
     ],

@@ -157,6 +157,10 @@ READ = {
     "O1 while [1]\nG1 X1\nO1 break\nO1 endwhile\nX2\nM30\nX3": [(1, 0), (2, 0)],
     "O1 sub\nO1 endsub [4]\nO2 sub\nO1 call\nO2 endsub\nO2 call\nG1 X5 Y#<_value>": [(5, 0)],
     'G500 G40.1\nMSG("to (X9); ")\nG641 ADIS=0.1 ADISPOS=.2\nM17\nG1 X5\nM17\n%': [(5, 0)],
+    "G60\nG1 X5\nG91 G30 P2 Z0": [(5, 0)],
+    "#1=1\nIF [#1 EQ 1] THEN #2=7 (a)\nIF [#1 EQ 2] THEN #2=8\nG1 X#2": [(7, 0)],
+    "T0101\nG1 X5 Z0\nU2 W0\nG90 G1 X9": [(5, 0), (7, 0), (9, 0)],
+    "T0101 M6\nG90 G1\nG90 X5 W1": [(5, 0)],
     "R1=5\nR2=R1*2-1\nG1 X=R1 Y=R2/3\nX=IC(R1) Y-R1": [(5, 3), (10, -5)],
 }
 
@@ -205,7 +209,8 @@ def test_splines_with_knots_in_all_planes(tmp_path, plane, axes, word):
         ("G1 X5\nM220 S50\nM220 S100", r"orders of a printer in 2 of its blocks .*: M220$", 1),
         ("G1 X5\nSUPA G0 Z9", r"SUPA or G153 in 1 of its blocks is a position of the machine", 1),
         ("G53 G0 Z9\nG98 G81 X1 Z-1 R2", r"G81 in 1 of its blocks is from a height", 3),
-        ("G18 G99\nG1 X5 F0.2", "G96 or G99 is of a lathe; without G7 and G95 X is taken", 1),
+        ("G18 G99\nG1 X5 F0.2", "G96, G99 or T0101 is of a lathe; without G7 and G95 X is", 1),
+        ("T0101\nG1 X5\nG4 U1\nU2 W-1\nG28 U0", "G28 in 1 of its blocks is a position of the machine", 2),
         ("G1 X5\nM48 P9 X3 V2\nX6", r"orders of a printer in 1 of its blocks .*: M48$", 2),
         ("G92\nG1 X5", r"G92 in 1 of its blocks is without an axis, and moves nothing", 1),
         ("/G1 X5", r"/ in 1 of its blocks is an optional block, which is read", 1),

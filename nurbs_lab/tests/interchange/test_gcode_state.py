@@ -10,7 +10,7 @@ from nurbs_lab.tests.interchange.shapes import MOVES, milling
 from nurbs_lab.tests.interchange.test_gcode_reader import START, ends, program
 
 
-@pytest.mark.parametrize("suffix", [".nc", ".mpf", ".gcode", ".TAP", ".cnc", ".h"])
+@pytest.mark.parametrize("suffix", [".nc", ".mpf", ".spf", ".gcode", ".TAP", ".cnc", ".h"])
 def test_programs_by_their_usual_suffixes(tmp_path, suffix):
     """Those of Heidenhain say in their first line that they are."""
     dialect = "heidenhain" if suffix == ".h" else "g1"
@@ -139,3 +139,9 @@ def test_cycles_come_from_the_height_before_the_first_of_them(tmp_path):
     text = "G0 Z5\nG99 G81 X1 Z-6 R1\nG98 G81 X2 Z-3 R2\nS9 M3 G86 G80 X3 P0\nG91 G81 X1 Z-2 R-1\nM2"
     heights = [5, 1, -6, 1, 5, 2, -3, 5, 5, 2, -3, 5, 5, 4, 2, 5]
     np.testing.assert_allclose(ends(program(tmp_path, START + text).moves)[:, 2], [5, *heights])
+
+
+@pytest.mark.parametrize("word", ["L3", "K3"])
+def test_cycles_are_repeated_by_l_or_as_on_a_fanuc_by_k(tmp_path, word):
+    moves = program(tmp_path, START + f"G0 Z9\nG91 G99 G81 X10 Z-3 R-8 {word}\nM2").moves
+    np.testing.assert_allclose(ends(m for m in moves if m.kind == "cut")[:, 0], [10, 20, 30])
