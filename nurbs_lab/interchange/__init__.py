@@ -72,8 +72,8 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
         Ends in one of the suffixes of `nurbs_lab.interchange`.
     *items : NurbsCurve, NurbsSurface, Reconstruction, ToolPath, Program, or lists of them
     dialect : {"g1", "arcs", "linuxcnc", "siemens", "fanuc", "heidenhain"}, optional
-        Of a ``.ngc`` file: chords (the default), arcs G2 and G3, G5.2, BSPLINE, G06.2, or SPL. A
-        tool path without a dialect gives one straight move a period.
+        Of a ``.ngc`` file: chords (the default), arcs G2 and G3, G5.2, BSPLINE, G06.2, or SPL. The last
+        three write circles and helices as arcs. A tool path without a dialect is a move a period.
     feed : float, optional
         Speed along a curve, in mm/s; the moves of a program have their own.
     tolerance : float, optional

@@ -10,7 +10,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.interchange import _pieces
-from nurbs_lab.interchange._moves import bisecting, circle_through
+from nurbs_lab.interchange._moves import HELIX_MM, bisecting, circle_through
 from nurbs_lab.nurbs.refinement import project
 
 LARGEST = 1e6  # coordinate; controllers hold five or six digits before the point
@@ -94,15 +94,16 @@ class G1:
         return word if changed else ""
 
     def rapid(self, points):
-        for point in self.rounded(points):
-            self.position = point
-            yield self.rapid_word + self.words(point)
+        points = self.rounded(points)
+        self.position = points[-1]
+        return (self.rapid_word + self.words(point) for point in points.tolist())
 
     def straight(self, points, feed):
-        for point in self.rounded(points):
-            if self.position is not None and (point == self.position).all():
-                continue
-            self.position = point
+        points = self.rounded(points)
+        before = points[:1] + np.nan if self.position is None else self.position[None]
+        moved = (np.diff(points, axis=0, prepend=before) != 0).any(axis=1)
+        self.position = points[-1]
+        for point in points[moved].tolist():
             yield self.straight_word + self.words(point) + self.feed_word(feed)
 
     def curve(self, curve, feed):
@@ -115,28 +116,69 @@ class G1:
         return _pieces.cubic_rows(_pieces.bezier_rows(curve), self.tolerance, **limits)
 
 
-class Arcs(G1):
-    """G2 and G3 where a curve is a circle, a helix or in a plane of two axes, straight moves elsewhere."""
+class Round(G1):
+    """G2 and G3 where a curve is a circle or a helix within the tolerance; `others` is for the rest."""
 
     def curve(self, curve, feed):
         rows = _pieces.bezier_rows(curve)
         points = _pieces.evaluated(rows, np.arange(PLACES) / PLACES).reshape(-1, curve.dim)
         points = np.vstack([points, project(rows[-1:, -1])])
-        planes = [
-            [self.axes.find(letter) for letter in pair] for pair in PLANES if set(pair) <= set(self.axes)
-        ]
-        for columns in planes:
-            arc = circle_through(points, columns, _pieces.MARGIN * self.tolerance)
+        within = _pieces.MARGIN * (self.tolerance or 10 * HELIX_MM)
+        kept = len(rows) == 1 and self.exact(curve) and not curve.rational  # as short as an arc, and exact
+        for columns in () if kept else self.planes():
+            arc = circle_through(points, columns, within)
             if arc is not None and lengths(arc[0] - points[0, columns]) > LEAST_RADIUS_MM / self.scale:
                 yield from self.straight(points[:1], feed)
-                return (yield from self._arc(points[-1], *arc, columns, feed))
+                return (yield from self.turns(points[-1], *arc, columns, feed))
+        return (yield from self.others(curve, rows, feed))
+
+    def planes(self):
+        return [[self.axes.find(letter) for letter in pair] for pair in PLANES if set(pair) <= set(self.axes)]
+
+    def turns(self, end, centre, turn, columns, feed):
+        """To a point, by an angle about a centre, of which one block holds a whole turn at most."""
+        start, count = self.position.copy(), int(np.ceil(abs(turn) / (2 * np.pi) - 1e-6))
+        a, b = start[columns] - centre, np.array([[0, 1], [-1, 0]]) @ (centre - start[columns])
+        for part in np.arange(1, count) / count:
+            point = start + part * (end - start)
+            point[columns] = centre + np.cos(part * turn) * a + np.sin(part * turn) * b
+            yield from self.arc(point, centre, turn / count, columns, feed)
+        yield from self.arc(end, centre, turn / count, columns, feed)
+
+    def arc(self, end, centre, turn, columns, feed):
+        """At most a whole turn; straight where the arc is too flat."""
+        (end,) = self.rounded(end[None])
+        whole, p, q = abs(turn) > 2 * np.pi - 1e-6, self.position[columns], end[columns]
+        radius, chord = (lengths(v) for v in (centre - p, q - p))
+        flat = not whole and (turn == 0 or chord**2 < 8 * radius * 10.0**-self.digits)
+        if flat or radius > LARGEST:
+            yield from self.straight(end[None], feed)
+        else:
+            yield from self.turned(end, np.array(bisecting(p, q, centre)), turn, columns, feed)
+
+    def turned(self, end, centre, turn, columns, feed):
+        if self.plane != (plane := PLANES["".join(self.axes[i] for i in columns)]):
+            self.plane = plane
+            yield plane
+        words = " ".join(
+            f"{CENTRE[self.axes[i]]}{number(value, self.digits)}"
+            for i, value in sorted(zip(columns, centre - self.position[columns], strict=True))
+        )
+        self.position = end
+        yield f"G{3 if turn > 0 else 2} {self.words(end)} {words}{self.feed_word(feed)}"
+
+
+class Arcs(Round):
+    """Arcs where a curve is in a plane of two axes too, straight moves elsewhere."""
+
+    def others(self, curve, rows, feed):
         flat = np.ptp(project(rows).reshape(-1, curve.dim), axis=0) < 10.0**-self.digits
-        for columns in planes:
+        for columns in self.planes():
             if all(flat[i] for i in range(curve.dim) if i not in columns):
                 least, plane = LEAST_RADIUS_MM / self.scale, rows[..., [*columns, -1]]
                 ends, centres = _pieces.biarcs(plane, self.tolerance, least)
                 return (yield from self._in_plane(rows, columns, ends, centres, feed))
-        return (yield from super().curve(curve, feed))
+        return (yield from G1.curve(self, curve, feed))
 
     def _in_plane(self, rows, columns, ends, centres, feed):
         points = np.tile(project(rows)[0, 0], (len(ends), 1))
@@ -145,27 +187,7 @@ class Arcs(G1):
         for (p, q), end, centre in zip(itertools.pairwise(ends), points[1:], centres, strict=True):
             a, b = p - centre, q - centre
             turn = np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b) if np.isfinite(centre).all() else 0.0
-            yield from self._arc(end, centre, turn, columns, feed)
-
-    def _arc(self, end, centre, turn, columns, feed):
-        """To a point, by an angle about a centre; straight where the arc is too flat."""
-        (end,) = self.rounded(end[None])
-        whole, p, q = abs(turn) > 2 * np.pi - 1e-6, self.position[columns], end[columns]
-        radius, chord = (lengths(v) for v in (centre - p, q - p))
-        flat = not whole and (turn == 0 or chord**2 < 8 * radius * 10.0**-self.digits)
-        if flat or radius > LARGEST:
-            yield from self.straight(end[None], feed)
-        else:
-            if self.plane != (plane := PLANES["".join(self.axes[i] for i in columns)]):
-                self.plane = plane
-                yield plane
-            offset = np.array(bisecting(p, q, centre)) - p
-            words = " ".join(
-                f"{CENTRE[self.axes[i]]}{number(value, self.digits)}"
-                for i, value in sorted(zip(columns, offset, strict=True))
-            )
-            self.position = end
-            yield f"G{3 if turn > 0 else 2} {self.words(end)} {words}{self.feed_word(feed)}"
+            yield from self.arc(end, centre, turn, columns, feed)
 
 
 class LinuxCnc(G1):
@@ -197,13 +219,13 @@ class LinuxCnc(G1):
             yield "G5.3"
 
 
-class Fanuc(G1):
+class Fanuc(Round):
     """G06.2: order, and in every block a knot, a control point and its weight."""
 
     degree = 3
     end = "M30"
 
-    def curve(self, curve, feed):
+    def others(self, curve, rows, feed):
         if not self.exact(curve):
             curve = _pieces.joined(self.cubics(curve))
         curve = curve.clamped()
@@ -257,14 +279,14 @@ class Siemens(Fanuc):
             head = ""
 
 
-class Heidenhain(G1):
-    """SPL: polynomial cubics, X(t) = K3 t^3 + K2 t^2 + K1 t + X, where t runs from 1 to 0."""
+class Heidenhain(Round):
+    """C and CP; SPL: polynomial cubics, X(t) = K3 t^3 + K2 t^2 + K1 t + X, where t runs from 1 to 0."""
 
     unit_words = "MM", "INCH"
     comment, end = "; {}", "M30"
     straight_word = rapid_word = "L "
     degree = 3
-    largest = 9.99999999  # of a K without an exponent
+    largest = 9.9  # of a K without an exponent, less what rounding adds
     name = "NURBS_LAB"
 
     def exact(self, curve):
@@ -290,7 +312,7 @@ class Heidenhain(G1):
             count, before = count + (not goes_on), line
 
     def words(self, point, letters=None):
-        numbers = zip(letters or self.axes, self.rounded(point).tolist(), strict=True)
+        numbers = zip(letters or self.axes, point, strict=True)
         return " ".join(f"{letter}{_signed(value, self.digits)}" for letter, value in numbers)
 
     def feed_word(self, feed):
@@ -301,15 +323,29 @@ class Heidenhain(G1):
         self.feed = "FMAX"
         return (f"{line} FMAX" for line in super().rapid(points))
 
-    def curve(self, curve, feed):
+    def turned(self, end, centre, turn, columns, feed):
+        """About the written pole: C to its end, or CP by an angle, which may miss it by rounding."""
+        letters, (centre,) = [self.axes[i] for i in columns], self.rounded(centre[None])
+        yield f"CC {self.words(centre, letters)}"
+        rise = [i for i in range(len(end)) if i not in columns and end[i] != self.position[i]]
+        where = f"C {self.words(end[columns], letters)}"
+        if rise:
+            where = f"CP IPA{_signed(np.degrees(turn))} {self.words(end[rise], [self.axes[i] for i in rise])}"
+            (x, y), end = self.position[columns] - centre, end.copy()
+            end[columns] = centre + np.cos(turn) * np.array([x, y]) + np.sin(turn) * np.array([-y, x])
+        (self.position,) = self.rounded(end[None])
+        yield f"{where} DR{'+' if turn > 0 else '-'}{self.feed_word(feed)}"
+
+    def others(self, curve, rows, feed):
         pieces = self.cubics(curve, most=self.largest)
         yield from self.straight(pieces[:1, 0], feed)
+        pieces += np.repeat(self.rounded(pieces[:, [0, 3]]) - pieces[:, [0, 3]], 2, axis=1)
         for piece, (end, *powers) in zip(pieces, _pieces.power_coefficients(pieces), strict=True):
             lines = [f"SPL {self.words(end)}"]
             for i, axis in enumerate(self.axes):
                 lines.append(" ".join(f"K{n}{axis}{_signed(powers[n - 1][i])}" for n in (3, 2, 1)))
             lines[-1] += self.feed_word(feed)
-            self.position = self.rounded(piece[-1])
+            self.position = piece[-1]
             yield from " ~\n".join(lines).split("\n")
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_number, as_positive, lengths, shown
 from nurbs_lab.interchange._dialects import COOLANTS, DIALECTS, G1, KNOT_DIGITS, MM, number
+from nurbs_lab.interchange._moves import MoveTable
 
 FINEST_MM = 1e-7  # of the written numbers
 APART_MM = 1e-6  # a move begins where the one before it ends
@@ -83,13 +84,16 @@ def write(path, parts, dialect=None, feed=None, tolerance=None, units=None, axes
 
 
 def _strokes(parts, feed):
-    """Kind, curve and feed of every move; one alone is a cut with the feed asked for."""
+    """Kind, curve, feed and number of every move; one alone is a cut with the feed asked for."""
     if parts.programs:
         if feed is not None:
             raise ValueError(f"feed = {shown(feed)}: every move of a program has its own feed; leave it out")
-        return [(move.kind, move.curve, move.feed) for move in parts.programs[0].moves]
+        moves = parts.programs[0].moves
+        if isinstance(moves, MoveTable):
+            return [*moves.strokes()]
+        return [(move.kind, move.curve, move.feed, i) for i, move in enumerate(moves)]
     feed = None if feed is None else as_positive("feed", feed)
-    return [("cut", parts.curves[0] if parts.curves else parts.paths[0].curve, feed)]
+    return [("cut", parts.curves[0] if parts.curves else parts.paths[0].curve, feed, 0)]
 
 
 def _program(strokes, dialect, tolerance, units, axes, setup):
@@ -98,8 +102,8 @@ def _program(strokes, dialect, tolerance, units, axes, setup):
     if tolerance is not None and as_positive("tolerance", tolerance) < FINEST_MM:
         raise ValueError(f"tolerance must be at least the last digit, {FINEST_MM:g} mm, got {tolerance:g}")
     trial = kind("mm", "XYZ"[:dim], tolerance)
-    approximate = any(curve.degree > 1 and not trial.exact(curve) for _, curve, _ in strokes)
-    unfed = any(kind != "rapid" and feed is None for kind, _, feed in strokes)
+    approximate = any(curve.degree > 1 and not trial.exact(curve) for _, curve, *_ in strokes)
+    unfed = any(kind != "rapid" and feed is None for kind, _, feed, _ in strokes)
     asked = {"feed": not unfed or None, "tolerance": tolerance if approximate else 0.0}
     asked |= {"units": units, "axes": axes}
     if missing := [name for name, value in asked.items() if value is None]:
@@ -121,7 +125,7 @@ def _require_setup(setup, strokes, axes, dialect):
     as_kind("setup", setup, Setup)
     if "Z" not in axes:
         raise ValueError(f"axes: a setup moves Z, got {shown(axes)}")
-    top = max(curve.control_points[:, axes.index("Z")].max() for _, curve, _ in strokes)
+    top = max(curve.control_points[:, axes.index("Z")].max() for _, curve, *_ in strokes)
     if setup.safe_z_mm < top:
         raise ValueError(f"setup: safe_z_mm = {setup.safe_z_mm:g} is below the highest move, {top:g}")
     if dialect == "fanuc" and setup.number is None:
@@ -130,12 +134,12 @@ def _require_setup(setup, strokes, axes, dialect):
 
 def _lines(post, strokes, scale, title):
     yield from post.begin(title)
-    kind, curve, feed = strokes[0]
+    _, curve, feed, _ = strokes[0]
     *above, first = _from_above(post, curve(curve.domain[:1]) * scale)
     yield from post.rapid(np.array(above or [first]))
     if above:  # down by the feed where the first move cuts
         yield from post.straight(first[None], 60 * feed * scale) if feed else post.rapid(first[None])
-    for kind, curve, feed in strokes:
+    for kind, curve, feed, _ in strokes:
         if curve.degree > 1:
             yield from post.curve(curve.transform(scale * np.eye(curve.dim)), 60 * feed * scale)
             continue
@@ -160,7 +164,7 @@ def _dimension(strokes):
     end, dim = None, strokes[0][1].dim if strokes else 0
     if dim not in (2, 3):
         raise ValueError(f"items: a program needs moves in 2 or 3 dimensions, got {dim or 'no moves'}")
-    for i, (kind, curve, _) in enumerate(strokes):
+    for kind, curve, _, i in strokes:
         if kind == "rapid" and curve.degree > 1:
             raise ValueError(f"items: moves[{i}] is rapid and curved; a rapid move must have degree 1")
         first, last = curve(curve.domain)

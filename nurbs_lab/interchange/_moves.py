@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -101,7 +102,7 @@ def circle_through(points, columns, tolerance):
     turns = np.arctan2(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0], (one * two).sum(axis=1))
     turn = turns.sum()
     radius = lengths(spokes[0])
-    if (turns * turn <= 0).any() or abs(turn) > 2 * np.pi + 1e-6:
+    if (turns * turn <= 0).any():
         return None
     others = [i for i in range(points.shape[1]) if i not in columns]
     along = np.r_[0.0, np.cumsum(turns)][:, None] / turn
@@ -142,6 +143,21 @@ class MoveTable(Sequence):
         curve = made() if callable(made) else arc_curve(*ends, *made) if made else line(*ends)
         kind = ("rapid", "cut")[self.kinds[i]]
         return Move(kind, curve, float(self.feeds[i]) or None, int(self.lines[i]) or None)
+
+    def strokes(self):
+        """Kind, curve, feed and first number of the moves; straight ones that go on are one polyline."""
+        bent = np.zeros(len(self), dtype=bool)
+        bent[list(self.curves)] = True
+        alike = (np.diff(self.kinds) == 0) & (np.diff(self.feeds) == 0) & ~bent[1:] & ~bent[:-1]
+        alike &= (self.starts[1:] == self.ends[:-1]).all(axis=1)
+        for i, end in pairwise([*np.flatnonzero(np.r_[len(self) > 0, ~alike]), len(self)]):
+            move = self[i]
+            yield (
+                move.kind,
+                line(self.starts[i], *self.ends[i:end]) if end > i + 1 else move.curve,
+                move.feed,
+                i,
+            )
 
 
 def line(*points):

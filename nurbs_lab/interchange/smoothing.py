@@ -191,7 +191,8 @@ def _arc(points, tolerance):
     if np.abs(centred @ flat[2]).max() > STRAIGHT * tolerance:
         return None
     local = (points - points[0]) @ flat[:2].T
-    if (found := circle_through(local, [0, 1], MARGIN * tolerance)) is None:
+    found = circle_through(local, [0, 1], MARGIN * tolerance)
+    if found is None or abs(found[1]) > 2 * np.pi + 1e-6:
         return None
     centre, turn = found
     radius, middles = lengths(centre), (local[1:] + local[:-1]) / 2

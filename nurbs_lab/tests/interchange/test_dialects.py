@@ -234,22 +234,53 @@ def test_what_no_program_can_be_is_refused(tmp_path, items, options, said):
 ROUND = "G21 G90 {plane}\nG0 X0 Y0 Z0\nF600\n{block}\nM2\n"
 
 
+@pytest.mark.parametrize("dialect", ["arcs", "siemens", "fanuc", "heidenhain"])
 @pytest.mark.parametrize(("plane", "letters"), [("G17", "XYZIJ"), ("G18", "ZXYKI"), ("G19", "YZXJK")])
 @pytest.mark.parametrize(
-    "block", ["G2 I5 J3", "G3 X7 Y4 R40", "G2 X7 Y5 Z6 R-9", "G3 X0 Y0 Z4 I5 J5", "G2 X8 Y3 Z5 R12"]
+    ("block", "turns"),
+    [
+        *(("G2 I5 J3", 1), ("G3 X7 Y4 R40", 1), ("G2 X7 Y5 Z6 R-9", 1), ("G3 X0 Y0 Z4 I5 J5", 1)),
+        *(("G2 X8 Y3 Z5 R12", 1), ("G3 X10 Y0 Z4 I5 J5 P3", 3)),
+    ],
 )
-def test_what_was_read_as_one_arc_is_written_as_one(tmp_path, plane, letters, block):
-    """Circles, arcs of more and of less than half a turn, and helices with their rise."""
+def test_what_was_read_as_one_arc_is_written_as_one(tmp_path, dialect, plane, letters, block, turns):
+    """Circles, arcs of more and of less than half a turn, and helices, of several turns too."""
     block = block.translate(str.maketrans("XYZIJ", letters))
     (tmp_path / "a.ngc").write_text(ROUND.format(plane=plane, block=block))
     one = nl.read(tmp_path / "a.ngc")
-    file = nl.export(tmp_path / "b.ngc", one, dialect="arcs", **MOVES)
-    assert len(re.findall("^G[23] ", file.read_text(), re.MULTILINE)) == 1
-    assert not re.search("^G1 ", file.read_text(), re.MULTILINE)
-    (two,) = nl.read(file).moves
-    u = np.linspace(0, 1, 50)
-    first, second = (move.curve(move.curve.domain[1] * u) for move in (one.moves[0], two))
-    np.testing.assert_allclose(first, second, atol=3e-6)
+    file = nl.export(tmp_path / "b.ngc", one, dialect=dialect, **MOVES)
+    assert len(re.findall("^G[23] | DR[-+]", file.read_text(), re.MULTILINE)) == turns
+    assert not re.search("^G1 |SPL|BSPLINE|G6.2", file.read_text(), re.MULTILINE)
+    moves, (one,) = nl.read(file).moves, one.moves
+    points = np.vstack([move.curve(np.linspace(*move.curve.domain, 50)) for move in moves])
+    np.testing.assert_allclose(one.curve.closest_point(points)[1], 0, atol=3e-6)
+    assert sum(move.curve.length() for move in moves) == pytest.approx(one.curve.length())
+
+
+@pytest.mark.parametrize("units", ["mm", "inch"])
+def test_a_program_of_heidenhain_with_few_digits_comes_back(tmp_path, units):
+    """Each spline begins at the rounded end of the move before it, be it an arc, a helix or a spline."""
+    blocks = (
+        "G3 X20 Y0 Z-3 I10 J0\nG5 I1 J2 P-2 Q3 X30.1234 Y5\nG2 X31.2345 Y7.3456 R3\nG5 I1 J2 P-2 Q3 X40 Y5"
+    )
+    (tmp_path / "a.ngc").write_text(ROUND.format(plane="G17", block=blocks + "\nG2 X43.1234 Y5.7 Z-8 R7"))
+    one, setup = nl.read(tmp_path / "a.ngc"), nl.Setup(tool=1, spindle_rpm=9, safe_z_mm=80.0, digits=3)
+    options = {**MOVES, "units": units, "tolerance": 0.05, "dialect": "heidenhain", "setup": setup}
+    two = nl.read(nl.export(tmp_path / "b.ngc", one, **options))
+    points = np.vstack([move.curve(np.linspace(*move.curve.domain, 9)) for move in two.moves[2:-1]])
+    assert np.min([move.curve.closest_point(points)[1] for move in one.moves], axis=0).max() < 2e-3
+
+
+def test_straight_moves_are_written_from_their_table(tmp_path):
+    """In as many strokes as the file has kinds and feeds, and as one by one."""
+    blocks = "\n".join(f"G{1 - i % 7 // 6} X{i % 5} Y{i / 8} F{600 + i // 50}" for i in range(200))
+    (tmp_path / "a.ngc").write_text(ROUND.format(plane="G17", block=blocks + "\nG2 I3\nX9 R8"))
+    one = nl.read(tmp_path / "a.ngc")
+    files = [tmp_path / name for name in ("b.ngc", "c.ngc")]
+    for file, moves in zip(files, (one.moves, tuple(one.moves)), strict=True):
+        nl.export(file, Program(moves), dialect="heidenhain", **MOVES)
+    assert files[0].read_bytes() == files[1].read_bytes()
+    assert len([*one.moves.strokes()]) < len(one.moves) / 2
 
 
 def test_no_arc_is_too_small_for_linuxcnc(tmp_path):
