@@ -46,6 +46,7 @@ quadrics.SAME            2e-6                                0; 0; at 1e-5 two r
 quadrics._FAR            1e-3          1, free forms 1.5 x
 quadrics._ANGLES         0.5 to 89.5   2
 quadrics._LARGEST        20            0                     spheres become tori without a bound on these
+quadrics._TOLD           3e-7         22 of 72 cones          0; 0; at 2e-6 holes of a plate become tori
 quadrics._STEPS          12                                  of 27: 0; 0
 exact._PLACES            8, 400                              of 27: 0, 0; 0, 0
 faces.ALONG              33 places                           of 10: -4, 1 has 20 faces, not 36; -1, 1.25 x
@@ -65,8 +66,9 @@ Rules without a constant, off: in `features` chains of sharp edges with a free e
 23 of 92 meshes; moves that turn triangles over (4+), the offset for the volume (5+), what was taken off put
 back (6+), equal lengths told apart (4+). In `regions` facets of few triangles that join (2), smaller regions
 that join larger ones (0, but a disc of strips, 10 faces for 9), distances of centres (2), the bound by
-chords (1, of the tests), apices (1, a cone); in `space` corners of a single face (2). Without a second look
-at a third of the sharp angle a bottle is 124 patches.
+chords (1, of the tests), apices (1, a cone), what a surface took, tried together (3 of 72 cones of single
+precision); in `space` corners of a single face (2). Without a second look at a third of the sharp angle a
+bottle is 124 patches.
 
 Of refinement, on 42 parts of which 39 fit (12 folds left): in the order of attempts without folds first 31
 fit (100 folds), with any fold the same as one 39 (55 folds), without the distance 38. With a face that folds

@@ -10,6 +10,7 @@ import numpy as np
 
 _STEPS = 12  # of Gauss and Newton at most
 _FAR = 1e-3  # from the surface after three steps, in lengths of the part: the search is given up
+_TOLD = 3e-7  # of the largest singular value: numbers of a surface that points tell less about stay
 SAME = 2e-6  # lengths of the part: planes, sizes and sines of angles that differ by less are one
 _LARGEST = 20.0  # radius in lengths of the part: larger ones are planes
 _ANGLES = np.radians((0.5, 89.5))  # half angles of cones
@@ -118,14 +119,17 @@ def fit(kind, points, places, normals, weights):
 
 
 def improved(quadric, points):
-    """Gauss-Newton on the distances; None where it goes astray."""
+    """Gauss-Newton on the distances; None where it goes astray.
+
+    What the points hardly tell stays as it was guessed: in a file of single precision they are off by 1e-7.
+    """
     free = ROUND[quadric.kind]
     for step in range(_STEPS):
         gaps = quadric.distances(points)
         if step > 3 and np.abs(gaps).max() > _FAR:
             return None
         x = np.zeros(7)
-        x[free] = np.linalg.lstsq(quadric.slopes(points)[:, free], -gaps, rcond=1e-9)[0]
+        x[free] = np.linalg.lstsq(quadric.slopes(points)[:, free], -gaps, rcond=_TOLD)[0]
         if not np.abs(x).max() < 1.0:  # far away, or not a number
             return None
         quadric = quadric.moved(x)

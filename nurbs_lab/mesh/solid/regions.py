@@ -146,22 +146,27 @@ def _search(facets):
 def _surface_at(facets, links, free, seed):
     """The round surface through a facet and two rings around it that takes most others, and these.
 
-    Of surfaces that take as many, that which is nearer to their centres.
+    Of surfaces that take as many, that which is nearer to their centres. All that the best one takes are
+    tried together again: a few narrow facets of a cone lie on a cylinder too.
     """
-    group, best = np.array([seed]), []
+    group, best = np.array([seed]), None
     for _ in range(2):
         ring = np.unique(links[group].indices)
         group = np.union1d(group, ring[free[ring]])
-    points = facets.points[facets.vertices(group)]
-    for kind in ROUND:
-        surface = fit(kind, points, facets.rounds[group], facets.normals[group], facets.areas[group])
-        if surface is None or np.abs(surface.distances(points)).max() > _ON:
-            continue
-        if grown := _grown(facets, links, free, surface, seed):
-            centres = facets.points[facets.triangles[np.isin(facets.of, grown[1])]].mean(axis=1)
-            off = np.abs(grown[0].surface.distances(centres)).mean()
-            best.append((-len(grown[1]), off, grown))
-    return min(best, key=lambda one: one[:2])[2] if best else None
+    while True:
+        points, tried = facets.points[facets.vertices(group)], [best] if best else []
+        for kind in ROUND:
+            surface = fit(kind, points, facets.rounds[group], facets.normals[group], facets.areas[group])
+            if surface is None or np.abs(surface.distances(points)).max() > _ON:
+                continue
+            if grown := _grown(facets, links, free, surface, seed):
+                centres = facets.points[facets.triangles[np.isin(facets.of, grown[1])]].mean(axis=1)
+                off = np.abs(grown[0].surface.distances(centres)).mean()
+                tried.append((-len(grown[1]), off, grown))
+        better = min(tried, key=lambda one: one[:2], default=None)
+        if better is None or (best and better[0] == best[0]):
+            return better and better[2]
+        best, group = better, better[2][1]
 
 
 def _grown(facets, links, free, surface, seed):

@@ -338,3 +338,14 @@ def test_a_cone_that_meets_a_cylinder_at_14_degrees_is_exact():
     bottle = trimesh.creation.revolve([(0, 0), (20, 0), (20, 50), (18, 58), (0, 58)], sections=72)
     faces = Counter(face.kind for face in nl.reconstruct(bottle, tolerance=0.1).shells[0].faces)
     assert faces == {"plane": 2, "cylinder": 1, "cone": 1}
+
+
+@pytest.mark.parametrize("sections", [48, 100, 1000])
+def test_a_cone_of_single_precision_is_exact(sections):
+    """All facets end in the apex, and five of them lie on a cylinder almost as well."""
+    cone = trimesh.creation.cone(10.0, 10.0, sections=sections)
+    cone.apply_transform(trimesh.transformations.rotation_matrix(0.9, (3, 5, 7), (30, -20, 5)))
+    cone.vertices = cone.vertices.astype(np.float32)
+    result = nl.reconstruct(cone, tolerance=0.1)
+    assert Counter(face.kind for face in result.faces) == {"plane": 1, "cone": 1}
+    assert result.volume == pytest.approx(np.pi * 1000.0 / 3.0, rel=1e-5)
