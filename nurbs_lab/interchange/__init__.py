@@ -160,7 +160,7 @@ def read(path, unit=None):
     up, and spindles may stand still.
 
     Refused by name are compensation of the radius, turned, scaled or shifted axes, rounded corners, probes,
-    macros and what a file does not hold; also CIP, CT and POLY of Siemens, LBL, LP, CT, RND, FU, FZ and M103
+    macros and what a file does not hold; also CIP, CT and POLY of Siemens, CALL, LP, CT, RND, FU, FZ and M103
     of Heidenhain. Another axis, an order of a printer and a position of the machine are left out with a
     warning.
 

@@ -70,7 +70,8 @@ class _Interpreter(Commands):
         self.holes, self.due = None, False  # a cycle that blocks elsewhere call, and whether this one does
         self.heidenhain = head is not None
         text = "" if self.heidenhain else "\n".join(lines)
-        self.printed, self.lathe = PRINTER.search(text), not MILL.search(text) and LATHE.search(text)
+        self.printed = PRINTER.search(text)
+        self.lathe = not (self.printed or MILL.search(text)) and LATHE.search(text)
         self.plane = 18 if self.lathe else 17
         self.orders = Counter()  # of a printer
         self.fanuc = bool(self.flow.programs) or any("G54.1" in line or "G154" in line for line in lines)
@@ -225,7 +226,7 @@ class _Interpreter(Commands):
     def _is_of_printers(self, text):
         """Leave out an order of a printer, and forget where the axes are that it may have moved."""
         order = MACRO.match(text) or ORDER.match(text) or (self.printed and PRINTED.match(text))
-        if order and order[1][0] == "G":
+        if order and order[1][0] == "G" and order[1][1].isdigit():
             code = round(10 * float(order[1][1:]))
             if code in table.OF_PRINTERS:
                 return False

@@ -28,9 +28,8 @@ HEIDENHAIN |= {"FMAX": "m0", "F MAX": "m0"}
 HEIDENHAIN |= {f"I{axis}": axis.lower() for axis in "XYZ"}  # steps, in G90 too
 HEIDENHAIN |= {"LA": "N", "MB": "N", "MAX": "0", "M136": "G95", "M137": "G94"}  # of M120 and M140; feeds
 #: Its lines that move nothing.
-LEFT_OUT = (
-    r"^[ \t]*(?:BEGIN PGM|BLK FORM|CYCL DEF 32|TOOL DEF|STOP\b|\*|PLANE RESET|FUNCTION RESET TCPM)[^\n]*"
-)
+LEFT_OUT = r"BEGIN PGM|BLK FORM|CYCL DEF 32|TOOL DEF|LBL|STOP\b|\*|PLANE RESET|FUNCTION RESET TCPM"
+LEFT_OUT = rf"^[ \t]*(?:{LEFT_OUT})[^\n]*"  # a label that is called is refused there
 #: Its shifts, mirrors and turns (7, 8, 10 and 19) back to nothing.
 UNDONE = (
     r"^[ \t]*CYCL DEF (7|8|1[09])\.0[^\n]*"
@@ -89,8 +88,8 @@ ORDER = re.compile(
     r'\s*[A-Z](?:"[^"]*"|[^"G])*$'
 )
 PRINTED = re.compile(
-    r"(?:N\d+\s*)?(M(?!(?:0*2|30|9[89])(?![\d.])|198)[\d.]+|G(?!0*[0-3](?![\d.]))[\d.]+)"
-    r'((?:"[^"]*"|[^"G])*)$'
+    r"(?:N\d+\s*)?([A-Z]{2,}\w*|M(?!(?:0*2|30|9[89])(?![\d.])|198)[\d.]+|G(?!0*[0-3](?![\d.]))\d+(?:\.\d)?)"
+    r'((?:"[^"]*"|[^"G]|G(?![\d.]+(?!\w)))*)$'  # but another G word
 )
 #: What shows a lathe: a tool with its offset, or a speed of the spindle before steps U and W; and a mill.
 LATHE = re.compile(r"(?<![A-Z])T\d{4}(?!\d)|G0*9[67](?!\d)(?s:.*)[\n \d][UW][-+.\d]")

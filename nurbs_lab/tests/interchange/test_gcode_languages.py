@@ -155,7 +155,7 @@ def test_holes_of_siemens_and_heidenhain_are_where_they_are_called(tmp_path, tex
         (["CC X+0 Y+0", "CP IPA-450 Z-5 DR- F60"], (0, -10, -5), np.hypot(25 * np.pi, 5)),
         (["CC X+0 Y+0", "CP PA+180 DR+ F60"], (-10, 0, 0), 10 * np.pi),
         (["CC X+7 Z+0", "CP IPA+90 DR+ F60"], (7, 0, -3), 1.5 * np.pi),  # from Z to X is positive
-        (["PLANE RESET STAY", "FUNCTION RESET TCPM", "L Y+4 F60"], (10, 4, 0), 4.0),
+        (["LBL 1", "PLANE RESET STAY", "LBL 0", "FUNCTION RESET TCPM", "L Y+4 F60"], (10, 4, 0), 4.0),
         (
             ["CYCL DEF 7.0 DATUM SHIFT", "CYCL DEF 7.1 X+0", "CYCL DEF 7.2 IY+0.0", "L Y+4 F60"],
             (10, 4, 0),

@@ -23,6 +23,8 @@ def test_programs_by_their_usual_suffixes(tmp_path, suffix):
     ("order", "count"),
     [
         *(("G29 P9 X1 Y2 W3 H4", 1), ("G80", 1), ("G28 O", 1), ("G150.3", 1), ("G28 W ; all", 1)),
+        *(("M1002 gcode_claim_action : 29", 2), ("M1002 judge_flag g29_flag", 2), ("T1000\nSYNC R1", 2)),
+        *(("GET_POSITION", 2), ("G380 S2 Z30 F300", 1), ("M486 APart G", 2)),
         *(("M17 X1 Y2", 2), ("M42 P1 S9", 2), ("M0", 2), ("M117 G1 X7", 2), ("G28 Z (home)\nG1 Z1", 2)),
     ],
 )
