@@ -276,7 +276,7 @@ def build_exact_program(
     step_fraction = min(np.array([word - 2, 63 - S_GUARD]) - np.frexp(sizes)[1]).item()
     unit = 2.0 ** (step_fraction + format.ramp_guard)
     places = feed.displacement(period_s * np.arange(int(np.ceil(feed.duration / period_s - 1e-9)) + 1.0))
-    bits = [outputs] * len(curves) if isinstance(outputs, int) else as_sequence("outputs", outputs)
+    bits = [outputs] * len(curves) if np.isscalar(outputs) else as_sequence("outputs", outputs)
     if len(bits) != len(curves):
         raise ValueError(
             f"outputs must be one number (bits 1 and 2 together are 3) or {len(curves)}, one for each curve, "

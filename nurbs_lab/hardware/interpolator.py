@@ -42,6 +42,8 @@ def build_program(
     feed : FeedProfile
         See ``load_feed`` for what the hardware takes.
     period_s : float
+        Long enough that the tool moves by some last places of a coordinate in one: else the run ends with
+        the flag ``by_zero``.
     periods : int
         Number of the step that has to end at the curve's end.
     largest_step : float, optional
@@ -72,13 +74,23 @@ def close_load(writes, bank=0) -> tuple[int, int, int]:
 
 
 def register_writes(program: Program | ExactProgram) -> list[tuple[int, int]]:
-    """The program as writes ``(address, data)`` to the registers, the last of which starts the run."""
-    first, *_ = batch_writes(program)
+    """A program of one bank as writes ``(address, data)`` to the registers; the last one starts the run.
+
+    Raises
+    ------
+    ValueError
+        If the program has more banks: all but the first two are loaded while it runs.
+    """
+    first, *later = batch_writes(program)
+    if later:
+        raise ValueError(f"program has {len(later) + 1} banks: load them in turn, as batch_writes gives them")
     return [(CONTROL, FORGET), *first, (CONTROL, GO)]
 
 
 def batch_writes(program) -> list[list[tuple[int, int]]]:
     """The writes ``(address, data)`` of each bank in its turn; a ``Program`` has one."""
+    if not isinstance(program, ExactProgram):
+        as_kind("program", program, Program)
     found = []
     for n, writes in enumerate(program.batches()):
         words = (*writes, close_load(writes, n & 1))
@@ -99,11 +111,8 @@ def simulate_path(program: Program | ExactProgram, *, arrangement="cached") -> R
     arrangement : {'cached', 'parallel', 'serial'}
     """
     as_choice("arrangement", arrangement, ARRANGEMENTS)
-    exact = isinstance(program, ExactProgram)
-    if not exact:
-        as_kind("program", program, Program)
-    shape = {"WORD": program.format.word, "DIM": program.dim, "SLOPE": int(exact)}
     first, *later = batch_writes(program)
+    shape = {"WORD": program.format.word, "DIM": program.dim, "SLOPE": int(isinstance(program, ExactProgram))}
     lines = simulate(
         "path_run",
         shape | {"ARRANGEMENT": ARRANGEMENTS[arrangement]},

@@ -16,6 +16,7 @@ from nurbs_lab.hardware import (
     simulate_cu,
     word_length_study,
 )
+from nurbs_lab.hardware.interpolator import register_writes
 
 CURVE, PERIOD_S = paper.CURVE, paper.PERIOD_S
 FEED = plan_feed(CURVE, speed=paper.SPEED, acceleration=40.0, period_s=PERIOD_S)
@@ -24,6 +25,8 @@ U = np.linspace(0.0, 1.0, 400)
 WAVES = interpolate_curve(np.column_stack([U, 0.01 * np.sin(300.0 * U)]))
 WAVY = plan_feed(WAVES, speed=1.0, acceleration=1000.0, chord_error=1e-7, period_s=1e-4)
 LOW = CURVE.control_points.min(axis=0) - 1.0
+MANY = interpolate_curve(np.column_stack([U, np.sin(9.0 * U)])[::6])
+LONG = plan_feed(MANY, speed=1.0, acceleration=10.0, period_s=PERIOD_S)
 LIMITS = np.column_stack([LOW, LOW + 2.0])
 
 
@@ -54,6 +57,9 @@ def traced(speed=paper.SPEED, curve=CURVE, **options):
         (lambda: build_program(CURVE, FEED, PERIOD_S, 2086, axis_limits=LIMITS[:1]), "axis_limits"),
         (lambda: build_program(CURVE, FEED, PERIOD_S, 99, axis_limits=LIMITS[:, ::-1]), "lowest, then"),
         (lambda: build_exact_program(CURVE, FEED, PERIOD_S, axis_limits=LIMITS[:, ::-1]), "lowest, then"),
+        (lambda: register_writes(build_exact_program(MANY, LONG, PERIOD_S)), "banks.* batch_writes"),
+        (lambda: register_writes(3), "program must be a Program, got int"),
+        (lambda: build_exact_program(CURVE, FEED, PERIOD_S, outputs=np.int64(16)), "outputs must be 0 to 15"),
         (lambda: build_program(BACK, FEED, PERIOD_S, 99), "feed covers .* curves are .* mm long"),
         (lambda: run_exact(build_exact_program(CURVE, FEED, PERIOD_S), [0.9]), "rates must be an integer"),
         (lambda: run_exact(build_exact_program(CURVE, FEED, PERIOD_S), [512]), "rates must be 0 to 511"),
