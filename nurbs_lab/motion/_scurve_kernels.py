@@ -311,6 +311,38 @@ def centre(problem, middle, weight, tolerance, most):
 
 
 @kernel
+def look_ahead(level, ways, up, down):
+    """Change speeds between the first and the last, in place, to what S-curves reach from one to the next.
+
+    ``up`` and ``down`` hold the accelerations and jerks behind each corner and before the next one.
+    """
+    n = ways.size
+    forced = level[0]
+    for k in range(n - 1):
+        forced -= _gain(forced, -1.0, ways[k], up[:, k])
+        level[k + 1] = max(forced, min(level[k + 1], level[k] + _gain(level[k], 1.0, ways[k], up[:, k])))
+    forced = level[n]
+    for k in range(n - 1, 0, -1):
+        forced -= _gain(forced, -1.0, ways[k], down[:, k])
+        level[k] = max(forced, min(level[k], level[k + 1] + _gain(level[k + 1], 1.0, ways[k], down[:, k])))
+
+
+@kernel
+def _gain(speed, sign, way, most):
+    """By how much a speed rises, or falls, at most along an S-curve within a way."""
+    (acceleration, jerk), low = most, 0.0
+    high = sqrt(speed * speed + 2.0 * acceleration * way) - speed if sign > 0.0 else 2.0 / 3.0 * speed
+    for _ in range(50):
+        gain = 0.5 * (low + high)
+        peak = min(acceleration, sqrt(jerk * gain))
+        if (speed + 0.5 * sign * gain) * (gain / peak + peak / jerk) <= way:
+            low = gain
+        else:
+            high = gain
+    return low if sign > 0.0 or low < 0.6 * speed else speed
+
+
+@kernel
 def phases(widths, squares, slopes, durations, jerks):
     """Three phases of constant jerk for each cell, from node to node exactly in s, v and a.
 

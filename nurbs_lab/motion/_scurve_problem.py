@@ -41,6 +41,8 @@ class Block:
         Durations of the phases of constant jerk out of rest, or nearly rest, and into it; 0 where none is.
     ramp_jerks : tuple of float
         Jerks of these phases.
+    parts : ndarray, shape (n,)
+        What part of the jerk at its ends a cell takes at most, seen from the limits.
     """
 
     nodes: np.ndarray
@@ -56,6 +58,7 @@ class Block:
     speeds: tuple
     ramp_times: tuple
     ramp_jerks: tuple
+    parts: np.ndarray
 
     def squares(self, middle):
         """v² and its slope at the nodes."""
@@ -77,7 +80,8 @@ class Block:
     def problem(self):
         """What the kernels take."""
         nodes = self.along, self.across, self.steepest, self.kappas
-        return np.diff(self.nodes), self.ends, self.caps, nodes, self.turns, self.jerk
+        turns = self.turns * self.parts[:, None, None]
+        return np.diff(self.nodes), self.ends, self.caps, nodes, turns, self.jerk / self.parts
 
     def centre(self, middle, weight, tolerance=0.1, most=60):
         """Least time with a weight on the room to the limits, in place, by ``most`` Newton steps at most."""
@@ -122,12 +126,23 @@ class Block:
 
         The time is above the least one by less than the part ``gap`` of it; seen: a fiftieth of that.
         """
-        weight = self._balanced_weight(middle)
+        block, weight = self, self._balanced_weight(middle)
         while weight * 8.0 * len(middle) > gap * self.time(middle):
-            self.centre(middle, weight, _NEAR * len(middle), STEPS)
-            weight *= FALL
-        self.centre(middle, weight, tolerance=1e-9)
-        return weight
+            block.centre(middle, weight, _NEAR * len(middle), STEPS)
+            block, weight = block._for_phases(middle), weight * FALL
+        block.centre(middle, weight, tolerance=1e-9)
+        return block, weight
+
+    def _for_phases(self, middle):
+        """The block that bounds the jerks of the phases of each cell by way of those at its ends."""
+        used, along = self._used(middle), np.abs(self.turns[:, :, 0]).max(axis=1, initial=0.0)
+        jerks = self._phases(middle)[1].reshape(-1, 3)
+        more = np.abs(jerks).max(axis=1) - used["jerk"] * self.jerk
+        more *= np.maximum(1.0 / self.jerk, 2.0 * along)
+        parts = 1.0 + np.maximum(more, 0.0)
+        with np.errstate(divide="ignore"):
+            most = 1.0 / np.maximum(used["jerk"], used.get("axis_jerk", 0.0))
+        return replace(self, parts=np.minimum(parts, 0.5 * (self.parts + most)))
 
     def stretch_to(self, middle, weight, duration):
         """Slow a least-time motion down to a duration, in place: more weight on the room to the limits.
@@ -151,14 +166,18 @@ class Block:
 
     def phases(self, middle):
         """Durations, jerks and names of the limits that bind, of phases of constant jerk."""
-        count = len(middle)
-        durations, jerks = np.empty(3 * count), np.empty(3 * count)
-        _scurve_kernels.phases(np.diff(self.nodes), *self.squares(middle), durations, jerks)
+        durations, jerks = self._phases(middle)
         durations = np.concatenate([self.ramp_times[:1], durations, self.ramp_times[1:]])
         jerks = np.concatenate([self.ramp_jerks[:1], jerks, self.ramp_jerks[1:]])
         names = np.concatenate([["jerk"], np.repeat(self._binding(middle)[0], 3), ["jerk"]])
         there = durations != 0.0
         return durations[there], jerks[there], names[there]
+
+    def _phases(self, middle):
+        """Durations and jerks of three phases for each cell."""
+        found = np.empty((2, 3 * len(middle)))
+        _scurve_kernels.phases(np.diff(self.nodes), *self.squares(middle), *found)
+        return found
 
     def hardest(self, middle):
         """Length at which a motion is farthest beyond a limit, and the name of that limit."""
@@ -166,8 +185,19 @@ class Block:
         cell = int(np.argmax(parts))
         return float(self.nodes[cell]), names[cell]
 
+    def hardness(self, middle):
+        """The largest part of a limit that a motion takes, cell by cell."""
+        return self._binding(middle)[1]
+
     def _binding(self, middle):
         """Name of the limit nearest to being met, cell by cell, and the part of it that is taken."""
+        used = self._used(middle)
+        table = np.array(list(used.values()))
+        names = np.array(list(used), dtype=object)[table.argmax(axis=0)]
+        return np.where(names == "speed", self.causes, names), table.max(axis=0)
+
+    def _used(self, middle):
+        """The part of every limit that is taken, cell by cell."""
         squares, slopes = self.squares(middle)
         by_axis = (self.along * slopes[:, None] + self.across * squares[:, None]).max(axis=1, initial=0.0)
         second = np.diff(slopes) / np.diff(self.nodes)
@@ -185,9 +215,7 @@ class Block:
                 jerks = np.einsum("nkc,cn->nk", self.turns[:, side::2], np.array([second, d, b]))
                 used.append(np.abs(jerks).max(axis=1) * np.sqrt(b))
             parts["axis_jerk"] = np.maximum(*used)
-        table = np.array(list(parts.values()))
-        names = np.array(list(parts), dtype=object)[table.argmax(axis=0)]
-        return np.where(names == "speed", self.causes, names), table.max(axis=0)
+        return parts
 
 
 def _sides(values):

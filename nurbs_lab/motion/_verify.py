@@ -16,6 +16,8 @@ _INSIDE = np.clip(np.linspace(0.0, 1.0, 5), 1e-9, 1.0 - 1e-9)
 VECTOR = "acceleration of the vector"
 #: Limits that follow from the curve and allow a speed, whatever the acceleration.
 BY_SPEED = "chord_error", "centripetal_acceleration", "axis_speed"
+#: So often the places are twice as dense where a limit may be exceeded between them.
+_NEARER = 4
 #: Lengths along the path are known to this part of the whole.
 _ROUNDING = 1e-13
 
@@ -75,8 +77,11 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
     seen = track, origin, limits, profile, by_chords
     wide = np.diff(ends) > 1e-12 * (breaks[-1] - breaks[0])  # in others rounding takes one side for the other
     places, rows = _in_cells(ends[:-1][wide], ends[1:][wide], *seen)
-    nearer = _doubtful(places, rows)
-    return rows + _in_cells(*nearer.T, *seen)[1] if len(nearer) else rows
+    found = rows
+    for _ in range(_NEARER):
+        places, found = _in_cells(*_doubtful(places, found).T, *seen)
+        rows = rows + found
+    return rows
 
 
 def _in_cells(starts, stops, track, origin, limits, profile, by_chords):

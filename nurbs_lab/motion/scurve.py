@@ -1,11 +1,12 @@
 """S-curves: a grid along the path, and a slow motion on it from which the fastest is sought."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
+from nurbs_lab.motion import _scurve_kernels
 from nurbs_lab.motion._scurve_problem import Block
 from nurbs_lab.motion.feed import FeedProfile, from_jerks, path_of_jerks, stretch
 from nurbs_lab.motion.scan import JUMP
@@ -13,6 +14,10 @@ from nurbs_lab.motion.trapezoid import fastest
 
 #: Cells at most: so many in all, so many more for each corner, and one for each sample of the path.
 _MOST = 20_000.0, 30.0
+#: The first motion takes at most this part of accelerations and jerks, and the root of it of speeds.
+_PART = 0.5
+#: Beside a corner where that is too much it takes this part of it, so often at most.
+_CUT, _CUTS = 0.1, 10
 #: The grid has one more cell for each so many samples of the path.
 _SAMPLES = 8.0
 #: Where the motion leaves rest or a corner, cells grow with the distance from it by this part.
@@ -88,44 +93,133 @@ def s_curve(path, limits, ends, fineness):
             f"no S-curve fits between start_speed {ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s: "
             f"{name} leaves no way on at {path.place(at)}; raise it or jerk, or lower these speeds"
         )
-    return Motion(block, middle, block.solve(middle, fineness.gap), lengths[-1], limits)
+    block, weight = block.solve(middle, fineness.gap)
+    return Motion(block, middle, weight, lengths[-1], limits)
 
 
 def _prepare(path, limits, speeds, lengths, squares, fineness):
     """The block of a path, and a slow motion."""
-    slow, gentle, most = _slow(path, limits, fineness.margin)
-    rest = np.minimum(np.sqrt(0.5 * slow / most), 0.35 * gentle / most)  # to a quarter of the slow speed
+    places = np.concatenate([[0.0], path.zones[:, :2].mean(axis=1).clip(0.0, path.length), [path.length]])
+    slowest = np.concatenate([speeds[:1], path.zones[:, 2] * path.zones[:, 3], speeds[1:]])
+    near = path.lengths <= places[1], path.lengths >= places[-2]
+    ramps = [_out_of_rest(path, limits, fineness.margin, near[end], end) for end in (0, -1)]
+    most, rest = np.transpose(ramps)
     ramp_times = np.where(speeds <= 0.5 * most * rest**2, rest, 0.0)
     short = ramp_times * (speeds + most * ramp_times**2 / 6.0)
     jumps = path.jumps if limits.axis_jerk is None else path.knots
-    nodes = _nodes(path, limits, speeds, short, (lengths, squares), fineness)
+    nodes = _nodes(path, limits, (places, slowest), short, (lengths, squares), fineness)
     nodes = _through(_through(nodes, np.unique(path.zones[:, :2])), jumps)
     accelerations, signs = most * ramp_times, np.array([1.0, -1.0])
     ends = (speeds + 0.5 * most * ramp_times**2) ** 2
     ends = np.ravel(np.column_stack([ends, 2.0 * signs * accelerations]))
     of_nodes = _limits_on(path, limits, nodes, speeds, fineness.margin)
     of_ends = map(tuple, (speeds, ramp_times, most))
-    block = Block(nodes, ends, *of_nodes, *of_ends)
-    return block, min(_guesses(block, limits, slow, gentle), key=block.infeasibility)
+    block = Block(nodes, ends, *of_nodes, *of_ends, np.ones(len(nodes) - 1))
+    stretches, axes = _stretches(path, places), (limits.axis_acceleration, limits.axis_jerk)
+    along = zip((limits.acceleration, limits.jerk), axes, strict=True)
+    steepest = [one if axis is None else min(one, axis.min()) for one, axis in along]
+    part, cells = np.full(len(places), _PART), np.stack([nodes[:-1], nodes[1:]])
+    for _ in range(_CUTS):
+        guess, tops = _guess(block, steepest, slowest, part, stretches)
+        beyond = block.hardness(guess) >= 1.0
+        if not beyond.any():
+            return block, guess
+        part[np.searchsorted(tops, cells[:, beyond])] *= _CUT
+    part[:] = 6.0 / 7.0  # a spline takes 7/6
+    steep, _ = _guess(block, steepest, slowest, part, stretches, straight=True)
+    return block, min([guess, steep], key=block.infeasibility)
 
 
-def _guesses(block, limits, slow, gentle):
-    """Motions that may keep the limits: to a slow speed, gently and steeply, and from end to end."""
-    nodes, ends = block.nodes, block.ends
-    away = nodes - nodes[0], nodes[-1] - nodes
-    speeds, accelerations = np.sqrt(ends[::2]), 0.5 * np.abs(ends[1::2])
-    steep = 6.0 / 7.0 * np.array([limits.acceleration, limits.jerk])  # a spline may take 7/6 of it
-    lower = int(speeds[1] < speeds[0])
-    leaving = partial(_ramp, speeds[lower], accelerations[lower], speeds[1 - lower], *steep)
-    guesses = [_ordinates(leaving, away[lower])]
-    for parts in ([(0.5 * gentle, 0.5 * jerk) for jerk in block.ramp_jerks], [steep, steep]):
-        rows = zip(away, speeds, accelerations, parts, strict=True)
-        ramps = [_ordinates(partial(_ramp, v, a, slow, *part), s) for s, v, a, part in rows]
-        guesses.append(ramps[0] + ramps[1] - slow * slow)
-    for guess in guesses:
-        guess[0] = ends[0] + 0.5 * ends[1] * (nodes[1] - nodes[0])
-        guess[-1] = ends[2] - 0.5 * ends[3] * (nodes[-1] - nodes[-2])
-    return guesses
+def _stretches(path, places):
+    """Of the stretches between corners: start, stop, and the largest speed."""
+    ways = np.diff(places)
+    reach = np.concatenate([[0.0], 0.5 * (path.zones[:, 1] - path.zones[:, 0]), [0.0]])
+    start = places[:-1] + np.minimum(reach[:-1], 0.25 * ways)
+    stop = places[1:] - np.minimum(reach[1:], 0.25 * ways)
+    runs = np.stack([np.searchsorted(path.lengths, start, "right"), np.searchsorted(path.lengths, stop)])
+    tops = path.tops[runs[0] - 1]
+    runs = np.where(runs[1] > runs[0], runs, [[len(path.caps)], [len(path.caps) + 1]])
+    least = np.minimum.reduceat(np.append(path.caps, [np.inf, np.inf]), runs.T.ravel())[::2]
+    return start, stop, np.minimum(tops, np.sqrt(least))
+
+
+def _out_of_rest(path, limits, margin, near, end):
+    """The jerk and the time of the phase that leads out of an end at rest, or into it.
+
+    The jerk leaves what turning takes up to a quarter of a slow speed and to 0.35 of the acceleration.
+    """
+    gentle, jerk, slow = limits.acceleration, limits.jerk, 0.5 * np.sqrt(path.caps[near].min())
+    kappas, short = np.abs(path.curvatures[near]).max(axis=0), 0.125 * np.ptp(path.lengths[near])
+    with np.errstate(divide="ignore"):
+        if limits.axis_acceleration is not None:
+            gentle = min(gentle, 0.5 * limits.axis_acceleration.min())
+            slow = min(slow, np.sqrt(0.25 * (limits.axis_acceleration / kappas).min()))
+        if limits.axis_jerk is not None:
+            lengths = path.lengths[near]
+            rates = np.abs(path.geometry(lengths, lengths)[3]).max(axis=0)
+            slow = min(slow, np.cbrt(0.25 * (limits.axis_jerk / rates).min()))
+            gentle = min(gentle, (limits.axis_jerk / (kappas * slow)).min() / 12.0)
+            turning = 3.5 * kappas * (0.25 * slow) * (0.35 * gentle) + rates * (0.25 * slow) ** 3
+            room = (1.0 - margin) * limits.axis_jerk - turning
+            jerk = min(jerk, (room / np.abs(path.tangents[end])).min())
+    slow = min(slow, np.sqrt(0.5 * gentle * short), np.cbrt(0.25 * limits.jerk * short**2))
+    return jerk, min(np.sqrt(0.5 * slow / jerk), 0.35 * gentle / jerk)
+
+
+def _guess(block, steepest, slowest, part, stretches, straight=False):
+    """Ordinates of a motion that is level at corners and between them, and where the latter places are.
+
+    It takes a part of the accelerations and jerks beside each corner, and its root of the speeds. Out of the
+    ends it is level first, or ``straight``, on the S-curve that has their acceleration.
+    """
+    nodes, speeds, slopes = block.nodes, np.sqrt(block.ends[::2]), 0.5 * np.abs(block.ends[1::2])
+    *edges, slow = stretches
+    up, down = np.outer(steepest, part[:-1]), np.outer(steepest, part[1:])
+    slow = np.sqrt(np.minimum(part[1:], part[:-1])) * slow
+    outer = -np.array([up[1, 0], down[1, -1]]) if straight else 0.5 * np.array(block.ramp_jerks)
+    level = np.minimum(np.sqrt(part) * slowest, np.minimum(np.append(np.inf, slow), np.append(slow, np.inf)))
+    edges, first = np.array(edges), slopes / np.abs(outer)
+    for turns in (first, slopes / outer):  # times in which the accelerations of both ends vanish
+        gone = turns * (speeds + slopes * turns / 3.0)
+        edges[0, 0], edges[1, -1] = nodes[0] + gone[0], nodes[-1] - gone[1]
+        ways, level[[0, -1]] = np.maximum(edges[1] - edges[0], 0.0), speeds + 0.5 * slopes * turns
+        if turns is first:
+            _scurve_kernels.look_ahead(level, ways, up, down)
+    least, share = np.maximum(level[1:], level[:-1]), np.zeros(len(ways))
+    np.maximum.at(least, [0, -1], speeds + 0.5 * slopes * first)
+    for power in range(1, 40):
+        top = least + (share + 0.5**power) * (slow - least)
+        way = _rise(level[:-1], top, *up)[0] + _rise(level[1:], top, *down)[0]
+        share = np.where(way <= ways, share + 0.5**power, share)
+    top = least + share * (slow - least)
+    rises, falls = _rise(level[:-1], top, *up), _rise(level[1:], top, *down)
+    held, zero = np.maximum(ways - rises[0] - falls[0], 0.0) / top, np.zeros(len(ways))
+    crossed = np.append((edges[0, 1:] - edges[1, :-1]) / level[1:-1], 0.0)
+    durations = np.column_stack([*rises[1], held, *falls[1], crossed])
+    changes = np.column_stack([rises[2], zero, -rises[2], zero, -falls[2], zero, falls[2], zero]).ravel()
+    durations[[0, -1], [0, 6]] += np.minimum(turns, 0.0)
+    durations = np.concatenate([turns[:1], durations.ravel(), turns[1:]])
+    changes = np.concatenate([-outer[:1], changes, -outer[1:]])
+    there = durations > 1e-12 * durations.sum()
+    path = path_of_jerks(durations[there], changes[there], speeds[0], slopes[0])
+    profile = FeedProfile(*path, 1.0)
+
+    def square(lengths):
+        return profile.speed(profile.time_at(np.clip(lengths - nodes[0], 0.0, profile.length))) ** 2
+
+    guess = _ordinates(square, nodes)
+    guess[0] = block.ends[0] + 0.5 * block.ends[1] * (nodes[1] - nodes[0])
+    guess[-1] = block.ends[2] - 0.5 * block.ends[3] * (nodes[-1] - nodes[-2])
+    return guess, edges[0] + rises[0] + 0.5 * held * top
+
+
+def _rise(low, high, accelerations, jerks):
+    """Of S-curves from one speed to another: the ways, the times of three phases, the jerk of the first."""
+    gain = np.abs(high - low)
+    peak = np.minimum(accelerations, np.sqrt(jerks * gain))
+    ramp = peak / jerks
+    hold = np.where(peak > 0.0, gain / np.where(peak > 0.0, peak, 1.0) - ramp, 0.0)
+    return 0.5 * (low + high) * (2.0 * ramp + hold), (ramp, hold, ramp), np.sign(high - low) * jerks
 
 
 def _through(nodes, places):
@@ -229,37 +323,13 @@ def extremes_between(edges, lengths, rows):
     return found
 
 
-def _slow(path, limits, margin):
-    """A speed far below every limit, an acceleration with room for every axis, and jerks for both ends.
-
-    The jerks hold up to a quarter of the speed and 0.35 of the acceleration, and leave what turning takes.
-    """
-    gentle, slow = limits.acceleration, 0.5 * np.sqrt(path.caps.min())
-    kappas, jerks = np.abs(path.curvatures).max(axis=0), np.full(2, limits.jerk)
-    short = 0.125 * path.length
-    with np.errstate(divide="ignore"):
-        if limits.axis_acceleration is not None:
-            gentle = min(gentle, 0.5 * limits.axis_acceleration.min())
-            slow = min(slow, np.sqrt(0.25 * (limits.axis_acceleration / kappas).min()))
-        if limits.axis_jerk is not None:
-            rates = np.abs(path.geometry(path.lengths, path.lengths)[3]).max(axis=0)
-            slow = min(slow, np.cbrt(0.25 * (limits.axis_jerk / rates).min()))
-            gentle = min(gentle, (limits.axis_jerk / (kappas * slow)).min() / 12.0)
-            turning = 3.5 * kappas * (0.25 * slow) * (0.35 * gentle) + rates * (0.25 * slow) ** 3
-            room = (1.0 - margin) * limits.axis_jerk - turning
-            jerks = np.minimum(jerks, (room / np.abs(path.tangents[[0, -1]])).min(axis=1))
-    slow = min(slow, np.sqrt(0.5 * gentle * short), np.cbrt(0.25 * limits.jerk * short**2))
-    return slow, gentle, jerks
-
-
-def _nodes(path, limits, speeds, short, trapezoid, fineness):
+def _nodes(path, limits, corners, short, trapezoid, fineness):
     """The grid: even in the time of the trapezoid, finer near rest, at corners and where the path turns."""
     lengths, squares = trapezoid
     jerk, total = limits.jerk, lengths[-1]
     first, last = short[0], total - short[1]
     # away from an end or a corner the speed of full jerk is the measure: v = (J s² 9 / 2)^(1/3) from rest
-    places = np.concatenate([[0.0], path.zones[:, :2].mean(axis=1).clip(0.0, total), [total]])
-    slow = np.concatenate([speeds[:1], path.zones[:, 2] * path.zones[:, 3], speeds[1:]])
+    places, slow = corners
     reach = slow * np.sqrt(2.0 * slow / jerk)
     reach[[0, -1]] = np.where(short > 0.0, short, reach[[0, -1]])
     away = np.outer(np.geomspace(1e-10, 1.0, 80), np.diff(places))
@@ -308,21 +378,3 @@ def _ordinates(square, nodes):
     at_nodes, inside = square(nodes), square(0.5 * (nodes[1:] + nodes[:-1]))
     exact = 2.0 * inside - 0.5 * (at_nodes[1:] + at_nodes[:-1])
     return np.maximum(exact, 0.5 * np.minimum(at_nodes[1:], at_nodes[:-1]))  # where a cell holds a whole ramp
-
-
-def _ramp(v, a, goal, acceleration, jerk, away):
-    """v² at lengths along an S-curve from (v, a >= 0) to a level speed."""
-    top = v + 0.5 * a * a / jerk
-    rises = goal > top
-    gain = goal - v if rises else top - goal
-    gentlest = 0.5 * a * a if rises else 0.0
-    peak = max(min(acceleration, np.sqrt(jerk * gain + gentlest)), a if rises else 0.0)
-    hold = max((gain - (peak * peak - gentlest) / jerk) / peak, 0.0) if peak > 0.0 else 0.0
-    sign = 1.0 if rises else -1.0
-    durations = np.array([(peak - sign * a) / jerk, hold, peak / jerk])
-    if not durations.any():
-        return np.full(len(away), goal * goal)
-    lasting = durations > 1e-12 * durations.sum()
-    jerks = sign * jerk * np.array([1.0, 0.0, -1.0])[lasting]
-    profile = FeedProfile(*path_of_jerks(durations[lasting], jerks, v, a), 1.0)
-    return np.where(away < profile.length, profile.speed(profile.time_at(away)), goal) ** 2
