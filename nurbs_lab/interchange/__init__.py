@@ -159,10 +159,10 @@ def read(path, unit=None):
     and comments beside %, comments before an o-word. Tools, outputs, angles of M19 and axes are not looked
     up, and spindles may stand still.
 
-    Refused by name are compensation of the radius, turned, scaled or shifted axes, rounded corners, probes,
-    macros and what a file does not hold; also CIP, CT and POLY of Siemens, CALL, LP, CT, RND, FU, FZ and M103
-    of Heidenhain. Another axis, an order of a printer and a position of the machine are left out with a
-    warning.
+    Refused by name are compensation of the radius, cycles of lathes, turned, scaled or shifted axes, rounded
+    corners, probes, macros and what a file does not hold; also CIP, CT and POLY of Siemens, CALL, LP, CT,
+    RND, FU, FZ and M103 of Heidenhain. Another axis, orders of a printer and a position of the machine are
+    left out with a warning.
 
     The time grows in proportion to the size of the file. STEP and IGES files are read in a process of
     their own, which is stopped after 60 s and 2 s for each megabyte, or beyond 4 GB of memory.

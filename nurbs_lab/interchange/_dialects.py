@@ -1,7 +1,8 @@
 """Curves in the languages of controllers: one class for each dialect of G-code, and one for Heidenhain.
 
 A dialect turns positions (already in its units, one column for each axis letter) into lines. A curve that the
-dialect cannot express exactly is approximated within the tolerance; one that it cannot express is refused.
+dialect cannot express exactly is approximated within the tolerance, as is one that is an arc within it where
+the dialect has arcs; one that it cannot express is refused.
 """
 
 import itertools
@@ -139,11 +140,11 @@ class Round(G1):
         """To a point, by an angle about a centre, of which one block holds a whole turn at most."""
         start, count = self.position.copy(), int(np.ceil(abs(turn) / (2 * np.pi) - 1e-6))
         a, b = start[columns] - centre, np.array([[0, 1], [-1, 0]]) @ (centre - start[columns])
-        for part in np.arange(1, count) / count:
+        for part in np.arange(1, count + 1) / count:
             point = start + part * (end - start)
-            point[columns] = centre + np.cos(part * turn) * a + np.sin(part * turn) * b
+            if part < 1:
+                point[columns] = centre + np.cos(part * turn) * a + np.sin(part * turn) * b
             yield from self.arc(point, centre, turn / count, columns, feed)
-        yield from self.arc(end, centre, turn / count, columns, feed)
 
     def arc(self, end, centre, turn, columns, feed):
         """At most a whole turn; straight where the arc is too flat."""
