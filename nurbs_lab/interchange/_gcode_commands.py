@@ -19,7 +19,7 @@ class Commands(Shapes):
         cycles = self.lathe and not block.keys().isdisjoint("XZxz") and table.OF_LATHES.intersection(codes)
         if cycles and all(table.G_WORDS.get(code, "?")[0] != "motion" for code in codes):
             said = f"G{min(cycles) / 10:g} beside an axis is a cycle of a lathe"
-            raise ValueError(f"{said}; write its moves out, or give it its own block")
+            raise ValueError(f"{said}; write its moves out, or part them if it is none")
         for number in machine:
             self._order(number, block)
         chosen, owned = {}, self.owned
