@@ -220,10 +220,20 @@ def test_every_file_names_its_licence_and_is_less_than_120_columns_wide():
         assert max(map(len, lines)) < 120, file
 
 
+def test_a_copy_with_a_prefix_stands_beside_modules_of_the_same_names(tmp_path):
+    (script,) = re.findall(r"```sh\n(mkdir.*?)```", (RTL / "README.md").read_text(), re.DOTALL)
+    (tmp_path / "rtl").symlink_to(RTL)
+    subprocess.run(["bash", "-ec", script], cwd=tmp_path, check=True)
+    copies = sorted((tmp_path / "exports" / "rtl").glob("*.v"))
+    for slope in (0, 1):
+        assert icarus("nurbs_nurbs_interpolator", {"SLOPE": slope}, *copies, *RTL.glob("*.v")) == ""
+
+
 def test_the_core_file_of_fusesoc_lists_every_module_and_knows_its_parameters():
     core = (RTL / "nurbs_lab.core").read_text()
     listed = re.findall(r"^ +- ((?:boards/)?\w+\.v)$", core, re.MULTILINE)
     assert sorted(listed) == sorted(str(file.relative_to(RTL)) for file in VERILOG)
+    assert re.search(r"^  default:.*\n    filesets: \[rtl\]\n  \w", core, re.MULTILINE)  # files only
     top = (RTL / "nurbs_interpolator.v").read_text()
     for name in re.findall(r"^  (\w+): \{datatype", core, re.MULTILINE):
         assert re.search(rf"parameter +{name} ", top), name
@@ -238,7 +248,8 @@ def test_the_table_of_ports_is_that_of_the_modules():
         told.setdefault(module, {}).update(
             dict.fromkeys(re.findall(r"`(\w+)`", row[1]), (row[2], row[3].strip()))
         )
-    assert [*told] == ["cu", "streamer", "step_dir", "axes", "watchdog", "emergency_stop"]
+    lifted = "nurbs_interpolator cu streamer step_dir axes watchdog emergency_stop"
+    assert [*told] == lifted.split()
     for module, ports in told.items():
         (file,) = RTL.rglob(f"{module}.v")
         found = {}
@@ -246,7 +257,7 @@ def test_the_table_of_ports_is_that_of_the_modules():
             r"^    (in|out)put +(?:wire|reg) +(?:signed )?(?:\[(.*):0\])? *(\w+)", file.read_text(), re.M
         ):
             found[name] = (way, bits)
-        assert {*found} - {*ports} == {"clk", "rst"}
+        assert {name for name in found if "s_axil" not in name} - {*ports} == {"clk", "rst"}
         for name, (way, bits) in ports.items():
             sizes = {"WORD": 35, "DIM": 3, "WIDTH": 31}
             high = eval(found[name][1] or "0", sizes)

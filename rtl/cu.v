@@ -26,6 +26,11 @@
  *            mantissa * 2^(exponent - WORD + 2) with the mantissa from 2^(WORD-2) to 2^(WORD-1) - 1
  *   space 2  coordinate of a control point, at {index[5:0], coordinate[1:0]}; coordinate 3 is the weight
  *   space 3  shape: {rational, last point[6:0], degree[2:0]} at 0, first u at 1, last u at 2
+ *
+ * What is loaded has to keep these limits, which no flag tells: degree 1 to 5, knots from 0 to 1 that never decrease,
+ * first and last span not empty, no other shorter than 2^-15, weights from 1/1024, the largest 1. Room is left for
+ * rounding: the largest coordinate times 1 + 2^(3-WORD) / (smallest weight) fits. Reciprocals are rounded to nearest;
+ * where the difference is 0 nothing is loaded, as it is not read.
  */
 `default_nettype none
 

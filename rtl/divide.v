@@ -7,7 +7,7 @@
  *           caller's: fraction bits of the quotient = those of the numerator - those of the denominator.
  * Rounding  to nearest, halves away from zero; the error is at most 0.5 ulp.
  * Latency   WORD / 4, rounded up, and 1 cycle from start to done, whatever the operands.
- * Flags     by_zero: the denominator is 0; overflow: the quotient does not fit. Either way the quotient is the
+ * Flags     by_zero: the denominator is 0; overflow: its size is 2^(WORD-1) or more. Either way the quotient is the
  *           largest one of the numerator's sign. All results hold from done until the next start.
  *
  * start is sampled while busy is low; operands are read with it. done is high for one cycle, never with busy.

@@ -5,7 +5,8 @@
  *
  * Format    t: WORD - 1 fraction bits, from 0, less than 1. coefficients, point: WORD bits in two's complement, one
  *           binary point; all sums have to fit. asks_for: {axis, power}.
- * Rounding  products to nearest, halves up: less than 1 in the last bit of a point of degree 3.
+ * Rounding  products to nearest, halves up, each of which t brings on: at most (1 + t + t^2) / 2 in the last bit, so
+ *           below 1.5 for degree 3, below 1 for degree 2.
  * Latency   9 + DIM cycles of run, then the last axis is stored with pending.
  * Flags     none.
  *

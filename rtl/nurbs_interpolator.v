@@ -5,19 +5,20 @@
  * Registers, 32 bits, whole words only:
  *   00 CONTROL     write 1: go, while not busy, permit is high and halt low; 2: forget the curve and all flags, at any
  *                  time, which withdraws a beat that waits, as rst does; 4: abort, at any time: the run ends with a
- *                  void beat, at once, or if SLOPE is 1, after the tool has slowed down on its path
+ *                  void beat, at once, or if SLOPE is 1, after the tool has slowed down on its path; if its last
+ *                  beat waits already, that one ends it
  *   04 STATUS      [0] busy [1] the latest run has ended [2] a beat waits to be taken [3] the override rests
  *                  [4] the next bank is awaited, and the tool slows down [5] bank 0 is loaded [6] bank 1
  *                  [8] overflow [9] division by zero [10] u decreased [11] bad curve, or go without one
- *                  [12] step too large [13] beyond a limit of an axis, or a bank that would go there [14] aborted;
- *                  the flags rise at once and stay until forgotten
+ *                  [12] step too large [13] beyond a limit of an axis, or a bank that would go there
+ *                  [14] an abort came while busy; the flags rise at once and stay until forgotten
  *   08 LOAD_LOW    the lower half of a number for the load bus
  *   0C LOAD_HIGH   the upper half; numbers have 64 bits in two's complement
  *   10 LOAD_AT     write {space[2:0], index[9:0]}: load the number there (spaces 0 to 5: stepper.v; 7: load_guard.v);
  *                  refused while busy, but for a bank that is open if SLOPE is 1
  *   14 CYCLES      cycles of the latest run, from go to the last beat taken, 0 before the first: the lower half
  *   18 SHAPE       {RATIONAL, MAX_POINTS[6:0], SLOPE[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]} as built
- *   1C CYCLES_HIGH the upper half
+ *   1C CYCLES_HIGH the upper half; while busy read it before and after CYCLES, and again if it changed
  *   20 OVERRIDE    if SLOPE is 1: the feed override, 0 (hold) to 256; above counts as 256, and so does forgetting
  * A refused or unknown access answers SLVERR, and so does a write of CONTROL with more than one bit. CONTROL and
  * LOAD_AT read as 0.

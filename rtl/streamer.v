@@ -22,13 +22,14 @@
  * outputs: bits that are loaded with a piece; those of a beat belong to the piece in which the period that leads to
  * its point ends. The first beat of a run and a void one have none.
  *
- * go is sampled while busy is low and bank 0 is closed. Points leave by a valid/ready handshake; last marks the final
- * beat of a run, stopped a void one, which repeats the point before. done is high for one cycle after the final beat
- * has been taken, never with busy. A distance of 0 is legal: the tool rests. rate is the feed override, 0 to 256; it
- * is sampled once a period, while sampled is high, and followed within the limits: feed_override.v. stop: the tool
- * slows down on its path, and a void beat ends the run where it rests; so it does when a bank is loaded whose curve
- * would leave the limits or whose feed would exceed the largest step. A fault ends the run at once: the next point is
- * then unknown, or it contradicts the bounds of its bank, so no motion on the path is known that could brake.
+ * go is sampled while busy and stop are low and bank 0 is closed. Points leave by a valid/ready handshake; last marks
+ * the final beat of a run, stopped a void one, which repeats the point before. done is high for one cycle after the
+ * final beat has been taken, never with busy. A distance of 0 is legal: the tool rests. rate is the feed override, 0
+ * to 256; it is sampled once a period, while sampled is high (unknown before the first go), and followed within the
+ * limits: feed_override.v. stop: the tool slows down on its path, and a void beat ends the run where it rests; so it
+ * does when a bank is loaded whose curve would leave the limits or whose feed would exceed the largest step. A fault
+ * ends the run at once: the next point is then unknown, or it contradicts the bounds of its bank, so no motion on the
+ * path is known that could brake.
  * Load bus:
  *   space 0  {piece[5:0], word[2:0]}: 0 to 4 coefficients of |C'|^2, 5 the reciprocal root at t = 0, 6 length,
  *            7 {outputs[3:0], shift[5:0]}

@@ -14,10 +14,10 @@
  *
  * Format    pins: asynchronous. positions: 32 bits an axis, as of axes.v.
  * Rounding  none.
- * Latency   a pin is seen 2 cycles late. Its level changes when it has been seen away from it in BOUNCE more cycles
- *           than at it, since it was last calm: so BOUNCE + 2 cycles after a clean edge, while PLACE is that of the
- *           edge. A write takes effect 2 cycles after address and data are there, a read is answered a cycle after its
- *           address.
+ * Latency   a pin is seen 2 cycles late, but during rst at once: one that changes at its last edge may be read wrong.
+ *           Its level changes when it has been seen away from it in BOUNCE more cycles than at it, since it was last
+ *           calm: so BOUNCE + 2 cycles after a clean edge, while PLACE is that of the edge. A write takes effect 2
+ *           cycles after address and data are there, a read is answered a cycle after its address.
  * Flags     halt: HIT is not 0.
  */
 `default_nettype none
