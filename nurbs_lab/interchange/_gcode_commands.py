@@ -84,7 +84,7 @@ class Commands(Shapes):
 
     def _word(self, code, block, chosen, owned):
         """Do what a G word says, or return its motion; note its group and its letters."""
-        if self._is_setting(code, block):
+        if self._is_setting(code, block, owned):
             return None
         kind, value, letters = table.G_WORDS.get(code, ("refused", None, ""))
         if kind in table.GROUPS:
@@ -131,11 +131,12 @@ class Commands(Shapes):
             elif AXES[k].lower() in block:
                 self.pole[k] = self.position[k] + block.pop(AXES[k].lower()) * self.unit
 
-    def _is_setting(self, code, block):
+    def _is_setting(self, code, block, owned):
         """Whether G5 or G5.1 of this block is Fanuc's mode and no curve of LinuxCNC."""
         mode = "Q" in block if code == 51 else code == 50 and block.keys() == {"P"}
         if mode:
             self.left_out[f"G{code / 10:g}", "a mode of Fanuc that moves nothing"] += 1
+            owned.add(code)
             for letter in "PQR" if code == 50 else "PQRXYZ":
                 block.pop(letter, None)
         return mode

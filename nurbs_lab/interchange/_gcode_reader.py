@@ -158,7 +158,7 @@ class _Interpreter(Commands):
             self.due |= bool(self.holes and self.holes[1]["P"] == 2)
             self._spline_row(block) if self.motion in WORDS else self._move(block)
         elif before not in WORDS and self.motion not in WORDS:
-            for code in codes:  # a preamble may well name G0 or G1 among others, or another motion
+            for code in set(codes) - self.owned:  # a preamble may well name G0 or G1, or another motion
                 alone = len(words) == 1 and MOTIONS.get(code) == self.motion
                 if code == 90 or (table.G_WORDS[code][0] == "motion" and (alone or code > 10)):  # G9, too
                     self.left_out[f"G{code / 10:g}", "without an axis, and moves nothing"] += 1

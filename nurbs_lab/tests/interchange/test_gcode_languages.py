@@ -176,6 +176,7 @@ def test_polar_arcs_and_parameters_of_heidenhain(tmp_path, blocks, end, length):
     [
         ("G98 G81 X1 R2 Z-1\nG80\nX3", "G80 in 1 of its blocks is followed by moves without a word"),
         ("G22 X1 Y1", "G22 in 1 of its blocks is a limit"),
+        ("G05.1 Q1\nG1 X1", "G5.1 in 1 of its blocks is a mode of Fanuc"),
         ("G05 P10000\nG1 X1", "G5 in 1 of its blocks is a mode of Fanuc"),
         ("G94 G5\nG1 X1", "G5 in 1 of its blocks is without an axis"),
         ("M68 Q1", "M68 in 1 of its blocks is without its letters an order of the builder"),
@@ -188,5 +189,7 @@ def test_polar_arcs_and_parameters_of_heidenhain(tmp_path, blocks, end, length):
     ],
 )
 def test_what_linuxcnc_refuses_is_named(tmp_path, block, said):
-    with pytest.warns(UserWarning, match=said):
+    with pytest.warns(UserWarning, match=said) as found:
         program(tmp_path, f"G21 G90 F600\nG0 X0 Y0 Z9\n{block}\nM30")
+    words = [str(one.message).split()[2] for one in found]
+    assert len(set(words)) == len(words)
