@@ -67,8 +67,8 @@ Rules without a constant, off: in `features` chains of sharp edges with a free e
 back (6+), equal lengths told apart (4+). In `regions` facets of few triangles that join (2), smaller regions
 that join larger ones (0, but a disc of strips, 10 faces for 9), distances of centres (2), the bound by
 chords (1, of the tests), apices (1, a cone), what a surface took, tried together (3 of 72 cones of single
-precision); in `space` corners of a single face (2). Without a second look at a third of the sharp angle a
-bottle is 124 patches.
+precision), the second guess of cones (13 of 48 meshes with conical tips); in `space` corners of a single face
+(2). Without a second look at a third of the sharp angle a bottle is 124 patches.
 
 Of refinement, on 42 parts of which 39 fit (12 folds left): in the order of attempts without folds first 31
 fit (100 folds), with any fold the same as one 39 (55 folds), without the distance 38. With a face that folds

@@ -111,11 +111,13 @@ def fit(kind, points, places, normals, weights):
         return None
     with np.errstate(all="ignore"):
         try:
-            first = _first(kind, points, places, normals, weights)
-            found = first if kind in ("plane", "sphere") else improved(first, points)
+            for first in _guesses(kind, points, places, normals, weights):
+                found = first if kind in ("plane", "sphere") else improved(first, points)
+                if found is not None and found.sound():
+                    return found
         except np.linalg.LinAlgError:
-            return None
-    return found if found is not None and found.sound() else None
+            pass
+    return None
 
 
 def improved(quadric, points):
@@ -138,30 +140,39 @@ def improved(quadric, points):
     return quadric
 
 
-def _first(kind, points, places, normals, weights):
-    """A plane or a sphere by least squares; a guess of the others from the directions of facets."""
+def _guesses(kind, points, places, normals, weights):
+    """A plane or a sphere by least squares; guesses of the others from the directions of facets.
+
+    Of cones there are two, the nearer one first: the planes of narrow facets hardly tell the axis, and the
+    normals of a single ring of facets all meet in one point of it.
+    """
     centre = points.mean(axis=0)
     if kind == "plane":
         axis = np.linalg.svd(points - centre, full_matrices=False)[2][2]
-        return Quadric("plane", centre, axis if axis @ (weights @ normals) > 0.0 else -axis)
+        return [Quadric("plane", centre, axis if axis @ (weights @ normals) > 0.0 else -axis)]
     if kind == "sphere":
-        return Quadric("sphere", *_round_through(points))
-    if kind == "torus":
-        foot, axis = _turned_about(places, normals, weights)
-        height = (points - foot) @ axis
-        rho = np.linalg.norm(points - foot - height[:, None] * axis, axis=1)
-        (major, middle), _, radius = _round_through(np.column_stack([rho, height]))
-        return Quadric(kind, foot + middle * axis, axis, radius, float(major))
+        return [Quadric("sphere", *_round_through(points))]
     mean = weights @ normals / weights.sum()
     spread = normals - (mean if kind == "cone" else 0.0)
-    axis = np.linalg.eigh((spread * weights[:, None]).T @ spread)[1][:, 0]
+    even = np.linalg.eigh((spread * weights[:, None]).T @ spread)[1][:, 0]
     if kind == "cylinder":
-        frame = np.stack(across(axis))
+        frame = np.stack(across(even))
         middle, _, radius = _round_through(points @ frame.T)
-        return Quadric(kind, middle @ frame + (centre @ axis) * axis, axis, radius)
+        return [Quadric(kind, middle @ frame + (centre @ even) * even, even, radius)]
+    foot, axis = _turned_about(places, normals, weights)
+    height = (points - foot) @ axis
+    rho = np.linalg.norm(points - foot - height[:, None] * axis, axis=1)
+    if kind == "torus":
+        (major, middle), _, radius = _round_through(np.column_stack([rho, height]))
+        return [Quadric(kind, foot + middle * axis, axis, radius, float(major))]
+    away = height - height.mean()
+    slope = (away @ rho) / (away @ away)
+    apex = foot + (height.mean() - rho.mean() / slope) * axis
+    turned = Quadric(kind, apex, np.sign(slope) * axis, 0.0, float(np.arctan(abs(slope))))
     apex = np.linalg.lstsq(normals, np.einsum("ij,ij->i", normals, places), rcond=1e-9)[0]
-    axis = axis if axis @ (centre - apex) > 0.0 else -axis
-    return Quadric(kind, apex, axis, 0.0, float(np.arcsin(np.clip(abs(mean @ axis), 0.0, 1.0))))
+    even = even if even @ (centre - apex) > 0.0 else -even
+    touched = Quadric(kind, apex, even, 0.0, float(np.arcsin(np.clip(abs(mean @ even), 0.0, 1.0))))
+    return sorted([touched, turned], key=lambda one: np.abs(one.distances(points)).max())
 
 
 def _turned_about(places, normals, weights):

@@ -15,7 +15,12 @@ from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepFilletAPI import BRepFilletAPI_MakeChamfer, BRepFilletAPI_MakeFillet
 from OCP.BRepGProp import BRepGProp
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
-from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCylinder, BRepPrimAPI_MakeSphere
+from OCP.BRepPrimAPI import (
+    BRepPrimAPI_MakeBox,
+    BRepPrimAPI_MakeCone,
+    BRepPrimAPI_MakeCylinder,
+    BRepPrimAPI_MakeSphere,
+)
 from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
 from OCP.GProp import GProp_GProps
 from OCP.ShapeUpgrade import ShapeUpgrade_UnifySameDomain
@@ -349,3 +354,13 @@ def test_a_cone_of_single_precision_is_exact(sections):
     result = nl.reconstruct(cone, tolerance=0.1)
     assert Counter(face.kind for face in result.faces) == {"plane": 1, "cone": 1}
     assert result.volume == pytest.approx(np.pi * 1000.0 / 3.0, rel=1e-5)
+
+
+@pytest.mark.parametrize("distance", [0.2, 0.02])
+def test_a_pointed_hole_is_exact_however_fine_its_mesh(distance):
+    """OpenCASCADE puts more facets around the wide end, so that neighbours are no halves of trapezoids."""
+    tip = BRepPrimAPI_MakeCone(gp_Ax2(gp_Pnt(20, 15, 6), gp_Dir(0, 0, 1)), 0.0, 9.0, 9.0 * np.sqrt(3.0))
+    part = meshed(without(box(0, 0, 0, 40, 30, 20), tip.Shape()), distance, 0.1)
+    result = nl.reconstruct(part, tolerance=0.25)
+    assert Counter(face.kind for face in result.faces) == {"plane": 6, "cone": 1}
+    assert result.volume == pytest.approx(24_000.0 - np.pi * 14.0**3 / 9.0, rel=1e-5)
