@@ -11,7 +11,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_number, as_positive, lengths, shown
+from nurbs_lab.common.checks import (
+    as_choice,
+    as_count,
+    as_flag,
+    as_kind,
+    as_number,
+    as_positive,
+    lengths,
+    shown,
+)
 from nurbs_lab.interchange._dialects import COOLANTS, DIALECTS, G1, KNOT_DIGITS, MM, number
 from nurbs_lab.interchange._moves import MoveTable
 
@@ -65,6 +74,7 @@ class Setup:
         as_positive("spindle_rpm", self.spindle_rpm)
         as_number("safe_z_mm", self.safe_z_mm)
         as_choice("coolant", self.coolant, tuple(COOLANTS))
+        as_flag("clockwise", self.clockwise)
         if self.number is not None:
             as_count("number", self.number, 1, 9999)
 

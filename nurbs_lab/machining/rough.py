@@ -120,6 +120,7 @@ def clearing_of(part, stock, cutter, leave, step_down):
     step = cutter.diameter / GRID
     (low, high), floor = bounds_of(stock), float(part.bounds[0, 2])
     require_size((high[2] - floor) / step_down, MOST_LEVELS, "step_down is too small", "levels")
+    step_down = min(step_down, high[2] - floor)  # some lengths are fractions of it
     aside = np.array([part.bounds[0] - low, high - part.bounds[1]])[:, :2]
     skin = float(aside[aside > leave + FINEST * cutter.diameter / FINE].min(initial=np.inf)) - leave
     share = np.clip(SKIN * skin / cutter.diameter, FINEST, 1.0)

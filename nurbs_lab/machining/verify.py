@@ -163,8 +163,10 @@ def verify(program, part, *, spacing=None) -> Verification:
             gaps = np.minimum(gaps, np.where(off < cutter.diameter, off, np.inf))
     if chain[0].stock is not None:
         field = material_of(as_stock(chain[0].stock), program.cutter).field
-        above = field.z[field.index(samples.points[:, :2])] - samples.points[:, 2]
-        left = np.minimum(left, np.maximum(above, 0.0))
+        xy, (low, high) = samples.points[:, :2], field.bounds[:, :2] + [[-field.step], [field.step]]
+        above = field.z[field.index(xy)] - samples.points[:, 2]
+        inside = ((xy >= low) & (xy <= high)).all(axis=1) & (above >= -field.step)  # where there is stock
+        left[inside] = np.minimum(left, np.maximum(above, 0.0))[inside]
     left, seen, narrow = left - gaps, seen | found, seen & ~found
     bridged, left = left[narrow].clip(0.0), left[found]
     order, share = np.argsort(left, kind="stable"), samples.share

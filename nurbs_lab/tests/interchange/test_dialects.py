@@ -2,6 +2,7 @@
 
 import itertools
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -323,6 +324,8 @@ def test_siemens_selects_its_own_offsets(tmp_path, recwarn, offset, word):
     assert f"G40 {word}\n" in file.read_text()
     assert len(nl.read(file).moves) > 6
     assert not recwarn
+    with pytest.raises(TypeError, match="clockwise must be True or False"):
+        replace(setup, clockwise="ccw")
 
 
 @pytest.mark.parametrize("dialect", [name for name in DIALECTS if name != "linuxcnc"])

@@ -42,6 +42,13 @@ def test_more_may_be_left_than_the_stock_has_beside_the_part():
     assert nl.simulate(program, stock).remaining(part).min() == pytest.approx(3.0, abs=1e-3)
 
 
+def test_a_step_down_of_more_than_the_stock_is_one_of_the_stock():
+    ball = trimesh.creation.icosphere(2, 8.0)
+    stock, cutter = machining.stock_around(ball), nl.Cutter("ball", diameter=6.0)
+    one, same = (nl.rough(ball, stock, cutter, down, 0.3) for down in (18.0, 1e3))
+    assert [move.kind for move in one.moves] == [move.kind for move in same.moves]
+
+
 @pytest.mark.parametrize("kind", ["ball", "flat", "bull"])
 def test_roughing_leaves_what_it_should_and_clears_the_rest(kind):
     mesh, leave = hills(), 0.4
