@@ -50,7 +50,7 @@ _NEAR (multistep), of a step            0.5      errors 1 x              errors 
 _FINER (certificate), the bound         8        -58 (median of 60)      +29; 1.8 x
 _GAP (_relaxation), the bound           3e-4     +93 (median of 30)      0
 _NEAR (_relaxation), the bound          0.1      0                       0
-_LONGER (_relaxation), the bound        6        0; 0.8 x                0; 1.3 x
+_LONGER (_relaxation), the bound        2        0; 1.05 x               0; 1.1 x
 _FIRST (_relaxation), the bound         0.1      100                     100; of 1, 1 of 4 has none
 ======================================  =======  ======================  ======================
 

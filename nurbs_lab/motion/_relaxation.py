@@ -19,7 +19,7 @@ _FIRST = 0.1
 #: A stage ends when one more Newton step would gain less than this part of its weight.
 _NEAR = 0.1
 #: Steps to the time of a cell that is best for it.
-_LONGER = 6
+_LONGER = 2
 
 
 class Relaxation:
