@@ -41,6 +41,7 @@ async def every_byte(dut):
     """Back to back and with pauses, at the rate and, where a bit has cycles enough, 4 % off."""
     receiver = Receiver(dut)
     await reset(dut)
+    await RisingEdge(dut.clk)  # the line has been high
     rng = np.random.default_rng(SEED)
     sent = []
     for rate in (1.0, 0.96, 1.04) if receiver.divider >= 16 else (1.0,):
@@ -58,6 +59,7 @@ async def what_is_no_byte(dut):
     """A low stop bit fails; a spike is nothing; a line that stays low fails once; then bytes come again."""
     receiver = Receiver(dut)
     await reset(dut)
+    await RisingEdge(dut.clk)  # the line has been high
     bit = receiver.divider * CLOCK_NS
     await receiver.send(0x5A, stop=0)
     await Timer(3 * bit, "ns")
@@ -81,3 +83,6 @@ async def what_is_no_byte(dut):
     await RisingEdge(dut.clk)
     await Timer(1, "ns")
     assert dut.active.value == 0
+    dut.rst.value = 0
+    await Timer(12 * bit, "ns")
+    assert receiver.found == ["failed", "failed", 0xC3]

@@ -19,14 +19,14 @@
 `default_nettype none
 
 module adams #(
-    // Width of a coordinate: odd, 17 to 35.
-    parameter WORD        = 35,
+    // Width of a coordinate: odd, 5 to 35.
+    parameter integer WORD        = 35,
     // Dimension of the points: 2 or 3.
-    parameter DIM         = 3,
+    parameter integer DIM         = 3,
     // 0 serial, 1 parallel, 2 cached.
-    parameter ARRANGEMENT = 2,
+    parameter integer ARRANGEMENT = 2,
     // 4 for parallel, else 1.
-    parameter ROWS        = 1
+    parameter integer ROWS        = 1
 ) (
     input  wire                     clk,
     input  wire                     rst,
@@ -60,6 +60,9 @@ module adams #(
 );
     generate if (ARRANGEMENT < 0 || ARRANGEMENT > 2) begin : check_arrangement
         adams_ARRANGEMENT_must_be_0_serial_1_parallel_or_2_cached stop ();
+    end
+    if (DIM != 2 && DIM != 3) begin : check_dim
+        adams_DIM_must_be_2_or_3 stop ();
     end
     if (ROWS != (ARRANGEMENT == 1 ? 4 : 1)) begin : check_rows
         adams_ROWS_must_be_4_for_parallel_and_1_otherwise stop ();

@@ -19,8 +19,10 @@
 `default_nettype none
 
 module banks #(
-    parameter WORD = 35,
-    parameter DIM  = 3
+    // Width of a word: odd, 5 to 63.
+    parameter integer WORD = 35,
+    // Dimension of the points: 2 or 3.
+    parameter integer DIM  = 3
 ) (
     input  wire                   clk,
     input  wire                   rst,
@@ -56,6 +58,13 @@ module banks #(
     output reg                    outside,
     output wire                   starved
 );
+    generate if (WORD % 2 == 0 || WORD < 5 || WORD > 63) begin : check_word
+        banks_WORD_must_be_odd_and_from_5_to_63 stop ();
+    end
+    if (DIM != 2 && DIM != 3) begin : check_dim
+        banks_DIM_must_be_2_or_3 stop ();
+    end endgenerate
+
     reg signed [WORD-1:0] metrics [0:511];
     reg        [WORD-1:0] roots [0:511];   // a copy for the second reader
     reg        [63:0]     lengths [0:63];

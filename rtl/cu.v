@@ -36,13 +36,13 @@
 
 module cu #(
     // Width of a coordinate: odd, 17 to 35.
-    parameter WORD       = 35,
+    parameter integer WORD       = 35,
     // Dimension of the points: 2 or 3.
-    parameter DIM        = 3,
+    parameter integer DIM        = 3,
     // Largest number of control points: 2 to 64.
-    parameter MAX_POINTS = 64,
+    parameter integer MAX_POINTS = 64,
     // 0: no dividers, so no weights other than 1.
-    parameter RATIONAL   = 1
+    parameter integer RATIONAL   = 1
 ) (
     input  wire                clk,
     input  wire                rst,

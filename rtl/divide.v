@@ -16,7 +16,7 @@
 
 module divide #(
     // Width of quotient and denominator: odd, 5 to 63.
-    parameter WORD = 35
+    parameter integer WORD = 35
 ) (
     input  wire                     clk,
     input  wire                     rst,

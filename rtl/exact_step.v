@@ -22,7 +22,7 @@
 
 module exact_step #(
     // Width of a word: odd, 25 to 35.
-    parameter WORD = 35
+    parameter integer WORD = 35
 ) (
     input  wire                   clk,
     input  wire                   rst,

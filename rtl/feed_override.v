@@ -26,7 +26,7 @@
 
 module feed_override #(
     // Width of a step: odd, 9 to 35.
-    parameter WORD = 35
+    parameter integer WORD = 35
 ) (
     input  wire               clk,
     input  wire               rst,

@@ -20,7 +20,7 @@
 
 module feed_table #(
     // Width of a step: odd, 9 to 35.
-    parameter WORD = 35
+    parameter integer WORD = 35
 ) (
     input  wire               clk,
     input  wire               rst,

@@ -16,10 +16,10 @@
 `default_nettype none
 
 module horner #(
-    // Width of a word: odd, 5 to 35.
-    parameter WORD = 35,
+    // Width of a word: odd, 9 to 35.
+    parameter integer WORD = 35,
     // Dimension of the points: 2 or 3.
-    parameter DIM  = 3
+    parameter integer DIM  = 3
 ) (
     input  wire                   clk,
     input  wire                   clear,
@@ -33,6 +33,10 @@ module horner #(
     input  wire [DIM*WORD-1:0]    target,
     output reg  [DIM*WORD-1:0]    point
 );
+    generate if (DIM != 2 && DIM != 3) begin : check_dim
+        horner_DIM_must_be_2_or_3 stop ();
+    end endgenerate
+
     localparam [1:0] LAST_AXIS = DIM == 3 ? 2'd2 : 2'd1;
 
     reg  [1:0]               axis, level, axis_q, level_q; // of what is asked for, and of what is there

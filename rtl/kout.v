@@ -17,9 +17,9 @@
 
 module kout #(
     // Width of a word: odd, 9 to 35.
-    parameter WORD = 35,
+    parameter integer WORD = 35,
     // Dimension of the chord: 2 or 3.
-    parameter DIM  = 3
+    parameter integer DIM  = 3
 ) (
     input  wire                   clk,
     input  wire                   rst,

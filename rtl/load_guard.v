@@ -23,15 +23,15 @@
 
 module load_guard #(
     // Width of a coordinate: odd, 17 to 35.
-    parameter WORD       = 35,
+    parameter integer WORD       = 35,
     // Largest number of control points: 2 to 64.
-    parameter MAX_POINTS = 64,
+    parameter integer MAX_POINTS = 64,
     // 0: no dividers, so no weights other than 1.
-    parameter RATIONAL   = 1,
+    parameter integer RATIONAL   = 1,
     // Dimension of the points: 2 or 3.
-    parameter DIM        = 3,
+    parameter integer DIM        = 3,
     // 1: the spaces of streamer.v; of its numbers only the checksum is known.
-    parameter EXACT      = 0
+    parameter integer EXACT      = 0
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -49,6 +49,9 @@ module load_guard #(
     end
     if (MAX_POINTS < 2 || MAX_POINTS > 64) begin : check_points
         load_guard_MAX_POINTS_must_be_from_2_to_64 stop ();
+    end
+    if (DIM != 2 && DIM != 3) begin : check_dim
+        load_guard_DIM_must_be_2_or_3 stop ();
     end endgenerate
 
     localparam [31:0] LAST_POINT = MAX_POINTS - 1;

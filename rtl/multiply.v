@@ -15,9 +15,9 @@
 
 module multiply #(
     // Width of an operand: odd, 9 to 35.
-    parameter WORD    = 35,
+    parameter integer WORD    = 35,
     // 2 or 3.
-    parameter LATENCY = 3
+    parameter integer LATENCY = 3
 ) (
     input  wire                       clk,
     input  wire signed [WORD-1:0]     a,

@@ -41,20 +41,20 @@
 
 module nurbs_interpolator #(
     // Width of a coordinate: odd, 17 to 35, from 25 if SLOPE is 1.
-    parameter WORD        = 35,
+    parameter integer WORD        = 35,
     // Dimension of the points: 2 or 3.
-    parameter DIM         = 3,
+    parameter integer DIM         = 3,
     // Largest number of control points: 2 to 64.
-    parameter MAX_POINTS  = 64,
+    parameter integer MAX_POINTS  = 64,
     // 0: no dividers, so no weights other than 1.
-    parameter RATIONAL    = 1,
+    parameter integer RATIONAL    = 1,
     // Of the Adams step: 0 serial, 1 parallel, 2 cached.
-    parameter ARRANGEMENT = 2,
+    parameter integer ARRANGEMENT = 2,
     // 0: quotients as in the paper; 1: exact, streamer.v.
-    parameter SLOPE       = 0,
+    parameter integer SLOPE       = 0,
     // If SLOPE is 1: 1 computes a point as the one before is taken, so that OVERRIDE acts on it; 0 as soon as
     // possible.
-    parameter AHEAD       = 0
+    parameter integer AHEAD       = 0
 ) (
     input  wire                  clk,
     input  wire                  rst,
@@ -91,6 +91,9 @@ module nurbs_interpolator #(
                      CYCLES = 4'd5, SHAPE = 4'd6, CYCLES_HIGH = 4'd7;
     generate if (SLOPE < 0 || SLOPE > 1) begin : check_slope
         nurbs_interpolator_SLOPE_must_be_0_quotient_or_1_exact stop ();
+    end
+    if (ARRANGEMENT < 0 || ARRANGEMENT > 2) begin : check_arrangement
+        nurbs_interpolator_ARRANGEMENT_must_be_0_serial_1_parallel_or_2_cached stop ();
     end endgenerate
 
     localparam [31:0] AS_BUILT = {RATIONAL != 0, MAX_POINTS[6:0], SLOPE[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]};
@@ -142,7 +145,7 @@ module nurbs_interpolator #(
     wire [DIM*WORD-1:0] point;
 
     load_guard #(
-        .WORD(WORD), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .DIM(DIM), .EXACT(SLOPE == 1)
+        .WORD(WORD), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .DIM(DIM), .EXACT(SLOPE)
     ) load_guard_inst (
         .clk(clk), .rst(rst), .clear(forget), .load(load), .space(data[12:10]), .index(data[9:0]),
         .data(number), .bad(bad), .ready(complete), .closes(closes)

@@ -19,12 +19,12 @@
 `default_nettype none
 
 module runge_kutta #(
-    // Width of a coordinate: odd, 17 to 35.
-    parameter WORD   = 35,
+    // Width of a coordinate: odd, 5 to 35.
+    parameter integer WORD   = 35,
     // Dimension of the points: 2 or 3.
-    parameter DIM    = 3,
+    parameter integer DIM    = 3,
     // 1: the point before is at hand, K1 evaluates one point instead of two.
-    parameter CACHED = 1
+    parameter integer CACHED = 1
 ) (
     input  wire                   clk,
     input  wire                   rst,
@@ -62,6 +62,10 @@ module runge_kutta #(
     input  wire                   row_overflow,
     input  wire                   row_by_zero
 );
+    generate if (DIM != 2 && DIM != 3) begin : check_dim
+        runge_kutta_DIM_must_be_2_or_3 stop ();
+    end endgenerate
+
     reg       working;
     reg [1:0] stage;
     assign busy       = working;

@@ -18,9 +18,9 @@
 
 module soft_limits #(
     // Width of a coordinate: odd, 5 to 63.
-    parameter WORD = 35,
+    parameter integer WORD = 35,
     // Dimension of the points: 2 or 3.
-    parameter DIM  = 3
+    parameter integer DIM  = 3
 ) (
     input  wire                clk,
     input  wire                load,

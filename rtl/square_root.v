@@ -16,7 +16,7 @@
 
 module square_root #(
     // Half the width of the radicand: odd, 5 to 63.
-    parameter WORD = 35
+    parameter integer WORD = 35
 ) (
     input  wire              clk,
     input  wire              rst,

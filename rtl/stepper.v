@@ -25,15 +25,15 @@
 
 module stepper #(
     // Width of a coordinate: odd, 17 to 35.
-    parameter WORD        = 35,
+    parameter integer WORD        = 35,
     // Dimension of the points: 2 or 3.
-    parameter DIM         = 3,
+    parameter integer DIM         = 3,
     // Largest number of control points: 2 to 64.
-    parameter MAX_POINTS  = 64,
+    parameter integer MAX_POINTS  = 64,
     // 0: no dividers, so no weights other than 1.
-    parameter RATIONAL    = 1,
+    parameter integer RATIONAL    = 1,
     // Of the Adams step: 0 serial, 1 parallel, 2 cached.
-    parameter ARRANGEMENT = 2
+    parameter integer ARRANGEMENT = 2
 ) (
     input  wire                clk,
     input  wire                rst,
@@ -112,7 +112,7 @@ module stepper #(
     wire signed [WORD-1:0] rk_du;
     wire [DIM*WORD-1:0]   rk_base;
     wire signed [WORD-1:0] rk_shift;
-    runge_kutta #(.WORD(WORD), .DIM(DIM), .CACHED(ARRANGEMENT == 2)) runge_kutta_inst (
+    runge_kutta #(.WORD(WORD), .DIM(DIM), .CACHED(ARRANGEMENT / 2)) runge_kutta_inst (
         .clk(clk), .rst(clear), .start(begin_rk), .first(first), .u(u), .u_before(u_before),
         .point_before(point_before), .s_now(s_now), .s_half(s_half), .s_whole(s_whole), .first_du(first_du),
         .first_chord(first_chord), .busy(rk_busy), .done(rk_done), .point_done(rk_point_done), .k(rk_k),
@@ -153,7 +153,7 @@ module stepper #(
         wire rk   = here && by_rk;
         wire ab   = !here || by_ab;
         slope #(
-            .WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .PAIR(ARRANGEMENT == 1)
+            .WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .PAIR(ARRANGEMENT % 2)
         ) slope_inst (
             .clk(clk), .rst(clear), .load(load && !load_space[2]), .load_space(load_space[1:0]),
             .load_index(load_index), .load_data(load_data[WORD+2:0]),

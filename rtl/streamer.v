@@ -52,11 +52,11 @@
 
 module streamer #(
     // Width of a word: odd, 25 to 35.
-    parameter WORD = 35,
+    parameter integer WORD = 35,
     // Dimension of the points: 2 or 3.
-    parameter DIM  = 3,
+    parameter integer DIM  = 3,
     // 1: a point is computed as the one before is taken, so that rate and stop act on it; 0: as soon as possible.
-    parameter AHEAD = 0
+    parameter integer AHEAD = 0
 ) (
     input  wire                clk,
     input  wire                rst,
@@ -85,6 +85,10 @@ module streamer #(
     output wire                outside,
     output wire                starved
 );
+    generate if (AHEAD < 0 || AHEAD > 1) begin : check_ahead
+        streamer_AHEAD_must_be_0_or_1 stop ();
+    end endgenerate
+
     localparam TW = WORD + 12;
 
     wire                   begins, planned_take, feed_bank;

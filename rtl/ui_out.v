@@ -14,9 +14,9 @@
 
 module ui_out #(
     // Width of a word: odd, 5 to 35.
-    parameter WORD  = 35,
+    parameter integer WORD  = 35,
     // 1: Eq. (17), 0: Eq. (20).
-    parameter ADAMS = 1
+    parameter integer ADAMS = 1
 ) (
     input  wire        [WORD-2:0] u,
     input  wire signed [WORD-1:0] k_0,

@@ -21,7 +21,7 @@
 
 module vt #(
     // Width of a word: odd, 9 to 35.
-    parameter WORD = 35
+    parameter integer WORD = 35
 ) (
     input  wire             clk,
     input  wire             rst,

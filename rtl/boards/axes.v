@@ -31,11 +31,11 @@
 
 module axes #(
     // Cycles that step stays high, and least cycles that it stays low: 1 to 65535.
-    parameter PULSE = 50,
-    // Cycles from a change of dir to the next step: 1 to 6 PULSE.
-    parameter SETUP = 50,
+    parameter integer PULSE = 50,
+    // Cycles from a change of dir to the next step: 1 to 65535, and at most 6 PULSE.
+    parameter integer SETUP = 50,
     // Outputs that are on only while the tool moves, such as a laser.
-    parameter [3:0] ONLY_MOVING = 4'b1000
+    parameter [3:0]   ONLY_MOVING = 4'b1000
 ) (
     input  wire         clk,
     input  wire         rst,

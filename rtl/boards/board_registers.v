@@ -32,9 +32,9 @@
 
 module board_registers #(
     // Frequency of clk, in Hz.
-    parameter CLOCK_HZ     = 50000000,
-    // Least cycles of a period: what the path needs for a point under an override, see README.md.
-    parameter LEAST_PERIOD = 1500
+    parameter integer CLOCK_HZ     = 50000000,
+    // Least cycles of a period, 16 to 50000: what the path needs for a point under an override, see README.md.
+    parameter integer LEAST_PERIOD = 1500
 ) (
     input  wire        clk,
     input  wire        rst,

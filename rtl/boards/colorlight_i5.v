@@ -27,16 +27,16 @@
 
 module colorlight_i5 #(
     // Cycles of a bit on the serial line: 3,000,000 baud as shipped, 2 % slow.
-    parameter DIVIDER  = 17,
+    parameter integer DIVIDER  = 17,
     // Cycles without a byte that break a request off: 10 ms, as USB comes in frames of 1 ms and a host has other work.
-    parameter GAP      = 500000,
+    parameter integer GAP      = 500000,
     // Longest silence of the host while the drivers are enabled, in cycles: half a second.
-    parameter WATCHDOG = 25000000,
+    parameter integer WATCHDOG = 25000000,
     // Cycles of a pulse, and from a change of direction to the next step: 1 microsecond each, 495 kHz at most.
-    parameter PULSE    = 50,
-    parameter SETUP    = 50,
+    parameter integer PULSE    = 50,
+    parameter integer SETUP    = 50,
     // Bounce of the inputs, in cycles: 0.1 ms.
-    parameter BOUNCE   = 5000
+    parameter integer BOUNCE   = 5000
 ) (
     input  wire       clk_25,
     input  wire       uart_rx,

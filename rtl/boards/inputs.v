@@ -24,9 +24,9 @@
 
 module inputs #(
     // Number of inputs: 1 to 15.
-    parameter COUNT  = 7,
+    parameter integer COUNT  = 7,
     // Cycles of bounce: 1 to 65535.
-    parameter BOUNCE = 5000
+    parameter integer BOUNCE = 5000
 ) (
     input  wire             clk,
     input  wire             rst,

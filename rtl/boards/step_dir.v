@@ -24,11 +24,11 @@
 
 module step_dir #(
     // Width of modulus and advance: 4 to 62.
-    parameter WIDTH = 31,
+    parameter integer WIDTH = 31,
     // Cycles that step stays high, and least cycles that it stays low: 1 to 65535.
-    parameter PULSE = 50,
+    parameter integer PULSE = 50,
     // Cycles from a change of dir to the next step: 1 to 65535, and at most 6 PULSE, or turns lose steps.
-    parameter SETUP = 50
+    parameter integer SETUP = 50
 ) (
     input  wire                    clk,
     input  wire                    rst,

@@ -34,14 +34,14 @@
 
 module uart_bridge #(
     // Cycles of a bit: 4 to 65535.
-    parameter DIVIDER       = 17,
+    parameter integer DIVIDER       = 17,
     // Cycles without a byte that end a request: 12 bits, more than the 10 of a byte, to 2^24 - 1.
-    parameter GAP           = 20 * DIVIDER,
-    // Cycles that the bus may take: up to 2^24 - 1.
-    parameter BUS_CYCLES    = 1024,
+    parameter integer GAP           = 20 * DIVIDER,
+    // Cycles that the bus may take: 1 to 2^24 - 1.
+    parameter integer BUS_CYCLES    = 1024,
     // What the bridge writes when alarm rises.
-    parameter ALARM_ADDRESS = 9'h020,
-    parameter ALARM_DATA    = 32'd0
+    parameter [8:0]   ALARM_ADDRESS = 9'h020,
+    parameter [31:0]  ALARM_DATA    = 32'd0
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -72,6 +72,9 @@ module uart_bridge #(
 );
     generate if (GAP < 12 * DIVIDER || GAP >= 1 << 24) begin : check_gap
         uart_bridge_GAP_must_be_from_12_DIVIDER_to_2_to_the_24 stop ();
+    end
+    if (BUS_CYCLES < 1 || BUS_CYCLES >= 1 << 24) begin : check_bus_cycles
+        uart_bridge_BUS_CYCLES_must_be_from_1_to_2_to_the_24 stop ();
     end endgenerate
 
     localparam [7:0]  ASK = 8'hA5, BLOCK = 8'hB5, ANSWER = 8'h5A;

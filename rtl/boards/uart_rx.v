@@ -6,14 +6,14 @@
  * Rounding  bits are sampled in their middle, to one cycle; the sender's rate may differ by 4 % if DIVIDER is 16 or
  *           more.
  * Latency   valid or failed rises in the middle of the stop bit, for one cycle.
- * Flags     failed: the stop bit was low. active: a byte is on its way. After a line that stays low nothing begins
- *           until it has been high.
+ * Flags     failed: the stop bit was low. active: a byte is on its way. After a line that stays low, and after rst,
+ *           nothing begins until it has been high for a cycle.
  */
 `default_nettype none
 
 module uart_rx #(
     // Cycles of a bit: 4 to 65535.
-    parameter DIVIDER = 434
+    parameter integer DIVIDER = 434
 ) (
     input  wire       clk,
     input  wire       rst,
@@ -58,7 +58,7 @@ module uart_rx #(
         end
         if (rst) begin
             missing <= 4'd0;
-            seen    <= 3'b111;
+            seen    <= 3'b000;
             valid   <= 1'b0;
             failed  <= 1'b0;
         end

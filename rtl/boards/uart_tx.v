@@ -12,7 +12,7 @@
 
 module uart_tx #(
     // Cycles of a bit: 4 to 65535.
-    parameter DIVIDER = 434
+    parameter integer DIVIDER = 434
 ) (
     input  wire       clk,
     input  wire       rst,

@@ -11,8 +11,8 @@
 `default_nettype none
 
 module watchdog #(
-    // Longest silence, in cycles: 2 to 2^31.
-    parameter CYCLES = 25000000
+    // Longest silence, in cycles: 2 to 2^31 - 1.
+    parameter integer CYCLES = 25000000
 ) (
     input  wire clk,
     input  wire rst,
@@ -23,7 +23,7 @@ module watchdog #(
     output reg  silent
 );
     generate if (CYCLES < 2) begin : check_cycles
-        watchdog_CYCLES_must_be_2_or_more stop ();
+        watchdog_CYCLES_must_be_from_2_to_2_to_the_31 stop ();
     end endgenerate
 
     localparam [31:0] LAST = CYCLES - 1;

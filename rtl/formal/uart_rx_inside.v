@@ -6,13 +6,13 @@
     reg  [6:0] place = 0; // cycle of the byte, from 1; 0: none
     reg  [7:0] sent = 0;
     reg        stop = 1;
-    reg  [2:0] lines = 7; // of the cycles before
+    reg  [2:0] lines = 0; // of the cycles before
     wire [9:0] bits = {stop, sent, 1'b0};
     wire       begins = $anyseq;
     wire [8:0] any = $anyseq;
     always @* assume (line == (place == 0 || bits[(place - 1) / DIVIDER]));
     always @(posedge clk) begin
-        lines <= rst ? 7 : {lines[1:0], line};
+        lines <= rst ? 0 : {lines[1:0], line};
         if (!rst && begins && (place == 0 || (place == 10 * DIVIDER && stop))) {place, stop, sent} <= {7'd1, any};
         else place <= place == 10 * DIVIDER || place == 0 ? 0 : place + 1;
     end
