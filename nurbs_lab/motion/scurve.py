@@ -205,7 +205,8 @@ def _guess(block, steepest, slowest, part, stretches, straight=False):
     profile = FeedProfile(*path, 1.0)
 
     def square(lengths):
-        return profile.speed(profile.time_at(np.clip(lengths - nodes[0], 0.0, profile.length))) ** 2
+        part = (lengths - nodes[0]) / (nodes[-1] - nodes[0])  # rounding adds up on the way to the end
+        return profile.speed(profile.time_at(part * profile.length)) ** 2
 
     guess = _ordinates(square, nodes)
     guess[0] = block.ends[0] + 0.5 * block.ends[1] * (nodes[1] - nodes[0])
