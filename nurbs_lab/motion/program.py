@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_kind, as_not_negative, as_sequence, shown
+from nurbs_lab.common.checks import as_kind, as_not_negative, as_positive, as_sequence, shown
 from nurbs_lab.motion.feed import concatenate
 from nurbs_lab.motion.plan import as_limits, fastest_profile, least_duration, refuse_ends
 from nurbs_lab.motion.prepared_curve import EQUAL_WITHIN, prepare
@@ -196,6 +196,8 @@ def _pieces(curves, speeds):
         as_kind(f"curves[{number}]", curve, NurbsCurve)
         if (speed := next(speeds, 0)) == 0:
             raise ValueError(f"speeds has none above 0 for curves[{number}]; give one for each curve")
+        if speed not in (None, np.inf):
+            as_positive(f"speeds[{number}]", speed)
         if before is not None:
             _require_joined(before, curve, number)
         before, degree, knots, count = curve, curve.degree, curve.knots, len(curve.control_points)

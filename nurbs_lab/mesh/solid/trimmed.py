@@ -168,15 +168,15 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
         off[mine] = size * np.abs(one.surface.distances((middles[mine] - centre) / size))
     if off.max() > tolerance:
         return None
+    equal = int((changes > 0).sum()), changes.max() * size
     try:
         shape = exact.shell_of(even, triangles, label, found, (size / unit, centre / unit))
+        if shape is None:
+            return None
+        shell = TrimmedShell.of(shape, unit, part.body, part.is_void, *equal)
+        fine = shell.to_mesh(max(_FINE * tolerance, shell.finest))
     except (*oc.FAILURES, ValueError, StopIteration, np.linalg.LinAlgError):
-        return None  # borders that are no curves on their surfaces
-    if shape is None:
-        return None
-    equal = int((changes > 0).sum()), changes.max() * size
-    shell = TrimmedShell.of(shape, unit, part.body, part.is_void, *equal)
-    fine = shell.to_mesh(max(_FINE * tolerance, shell.finest))
+        return None  # borders that are no curves on their surfaces, or faces without triangles
     places = np.concatenate([fine.vertices, fine.triangles_center])
     to_surface = triangle_tree(fine.triangles).distances(samples)
     to_surface[len(points) :] = np.maximum(to_surface[len(points) :], off)

@@ -364,3 +364,13 @@ def test_a_pointed_hole_is_exact_however_fine_its_mesh(distance):
     result = nl.reconstruct(part, tolerance=0.25)
     assert Counter(face.kind for face in result.faces) == {"plane": 6, "cone": 1}
     assert result.volume == pytest.approx(24_000.0 - np.pi * 14.0**3 / 9.0, rel=1e-5)
+
+
+def test_exact_faces_that_cannot_be_drawn_become_patches(monkeypatch):
+    def without_triangles(shell, tolerance):
+        raise ValueError("OpenCASCADE leaves a face without triangles")
+
+    monkeypatch.setattr(nl.mesh.TrimmedShell, "to_mesh", without_triangles)
+    solid = nl.reconstruct(trimesh.creation.box(), tolerance=0.01)
+    assert {face.kind for face in solid.faces} == {"patch"}
+    assert solid.within_tolerance

@@ -120,6 +120,8 @@ def test_each_curve_may_have_a_speed_of_its_own(jerk, corners):
     assert least < sum(feed.duration for feed in feeds) < 1.15 * least
     with pytest.raises(ValueError, match=r"speeds has none above 0 for curves\[28\]"):
         plan_program(lines, speeds=speeds[:-1], **limits)
+    with pytest.raises(ValueError, match=r"speeds\[1\] is nan"):
+        plan_program(lines, speeds=[*speeds[:1], np.nan, *speeds[2:]], **limits)
     with pytest.raises(ValueError, match=r"curves\[3\] has 2 coordinates, those before have 3"):
         plan_program([*lines[:3], lines[3].transform(np.eye(2, 3))], **limits)
 
