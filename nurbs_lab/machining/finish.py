@@ -79,7 +79,8 @@ def finish(
     with the part form a surface, and the passes lie on it. Their distance in space leaves cusps of 0.65 of
     the scallop on a plane. The curvature of the part, a crease, or the boundary between waterlines and raster
     can leave more; there, as measured on samples of the part, further passes are inserted. Every curve is
-    checked against the part between its cutter locations as well.
+    checked against the part between its cutter locations as well. Rapid moves are straight lines: a control
+    that moves each axis by itself in G0 has to be set to interpolate (Fanuc: bit LRP of parameter 1401).
 
     Examples
     --------
