@@ -113,10 +113,8 @@ class _Interpreter(Commands):
         if self.kinds and not (self.heidenhain or self.printed or self.orders or self.codes & UNIT_CODES):
             yield "it has no G20 or G21; its numbers are taken as mm"
         if self.orders:
-            said = (
-                f"orders of a printer in {self.orders.total()} of its blocks are left out, and so are their"
-            )
-            yield f"{said} moves: {', '.join(self.orders)}"
+            said = f"orders of a printer in {self.orders.total()} of its blocks"
+            yield f"{said} are left out, and so are their moves: {', '.join(self.orders)}"
         for (word, why), count in self.left_out.items():
             yield f"{word} in {count} of its blocks is {why}"
         if self.open_start:

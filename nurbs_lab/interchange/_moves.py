@@ -152,12 +152,8 @@ class MoveTable(Sequence):
         alike &= (self.starts[1:] == self.ends[:-1]).all(axis=1)
         for i, end in pairwise([*np.flatnonzero(np.r_[len(self) > 0, ~alike]), len(self)]):
             move = self[i]
-            yield (
-                move.kind,
-                line(self.starts[i], *self.ends[i:end]) if end > i + 1 else move.curve,
-                move.feed,
-                i,
-            )
+            curve = line(self.starts[i], *self.ends[i:end]) if end > i + 1 else move.curve
+            yield move.kind, curve, move.feed, i
 
 
 def line(*points):

@@ -71,8 +71,7 @@ def tip_field(touch: Contact, step, floor, margin, wrong="scallop is too small f
     """Drop the cutter on a grid over the part and ``margin`` around it."""
     low, high = touch.part.bounds[:, :2] + [[-margin] * 2, [margin] * 2]
     field = empty_field(low, high, step, floor, wrong, MOST_OF_TIPS)
-    z = touch.heights(field.places()).reshape(field.z.shape)
-    return replace(field, z=np.maximum(z, floor))
+    return replace(field, z=touch.heights(field.places(), floor).reshape(field.z.shape))
 
 
 def empty_field(low, high, step, floor, wrong, most=MOST_NODES) -> TipField:

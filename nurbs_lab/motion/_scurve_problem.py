@@ -169,7 +169,7 @@ class Block:
         durations, jerks = self._phases(middle)
         durations = np.concatenate([self.ramp_times[:1], durations, self.ramp_times[1:]])
         jerks = np.concatenate([self.ramp_jerks[:1], jerks, self.ramp_jerks[1:]])
-        names = np.concatenate([["jerk"], np.repeat(self._binding(middle)[0], 3), ["jerk"]])
+        names = np.concatenate([["jerk"], np.repeat(self.binding(middle)[0], 3), ["jerk"]])
         there = durations != 0.0
         return durations[there], jerks[there], names[there]
 
@@ -181,15 +181,11 @@ class Block:
 
     def hardest(self, middle):
         """Length at which a motion is farthest beyond a limit, and the name of that limit."""
-        names, parts = self._binding(middle)
+        names, parts = self.binding(middle)
         cell = int(np.argmax(parts))
         return float(self.nodes[cell]), names[cell]
 
-    def hardness(self, middle):
-        """The largest part of a limit that a motion takes, cell by cell."""
-        return self._binding(middle)[1]
-
-    def _binding(self, middle):
+    def binding(self, middle):
         """Name of the limit nearest to being met, cell by cell, and the part of it that is taken."""
         used = self._used(middle)
         table = np.array(list(used.values()))

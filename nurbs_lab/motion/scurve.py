@@ -121,7 +121,7 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     part, cells = np.full(len(places), _PART), np.stack([nodes[:-1], nodes[1:]])
     for _ in range(_CUTS):
         guess, tops = _guess(block, steepest, slowest, part, stretches)
-        beyond = block.hardness(guess) >= 1.0
+        beyond = block.binding(guess)[1] >= 1.0
         if not beyond.any():
             return block, guess
         part[np.searchsorted(tops, cells[:, beyond])] *= _CUT
