@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from nurbs_lab.common.checks import largest
 from nurbs_lab.motion import _scurve_kernels
 
 #: The weight of the barrier is multiplied by this from one stage to the next.
@@ -122,7 +123,7 @@ class Block:
 
         The weight falls by `FALL` from stage to stage, which makes log(1 / gap) / log(1 / FALL) stages and
         a few more, because the time falls too; each takes some ten Newton steps over all cells. The last
-        one, whose steps end in rounding, takes at most 60.
+        one takes at most 60.
 
         The time is above the least one by less than the part ``gap`` of it; seen: a fiftieth of that.
         """
@@ -130,14 +131,14 @@ class Block:
         while weight * 8.0 * len(middle) > gap * self.time(middle):
             block.centre(middle, weight, _NEAR * len(middle), STEPS)
             block, weight = block._for_phases(middle), weight * FALL
-        block.centre(middle, weight, tolerance=1e-9)
+        block.centre(middle, weight)
         return block, weight
 
     def _for_phases(self, middle):
         """The block that bounds the jerks of the phases of each cell by way of those at its ends."""
-        used, along = self._used(middle), np.abs(self.turns[:, :, 0]).max(axis=1, initial=0.0)
+        used, along = self._used(middle), largest(self.turns[:, :, 0])
         jerks = self._phases(middle)[1].reshape(-1, 3)
-        more = np.abs(jerks).max(axis=1) - used["jerk"] * self.jerk
+        more = largest(jerks) - used["jerk"] * self.jerk
         more *= np.maximum(1.0 / self.jerk, 2.0 * along)
         parts = 1.0 + np.maximum(more, 0.0)
         with np.errstate(divide="ignore"):
@@ -209,7 +210,7 @@ class Block:
             used = []
             for side, (d, b) in enumerate(zip(_sides(slopes), _sides(squares), strict=True)):
                 jerks = np.einsum("nkc,cn->nk", self.turns[:, side::2], np.array([second, d, b]))
-                used.append(np.abs(jerks).max(axis=1) * np.sqrt(b))
+                used.append(largest(jerks) * np.sqrt(b))
             parts["axis_jerk"] = np.maximum(*used)
         return parts
 

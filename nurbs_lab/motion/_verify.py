@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from nurbs_lab.common.checks import largest
 from nurbs_lab.common.checks import lengths as lengths_of
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.feed import MOST_SAMPLES
@@ -29,18 +30,26 @@ def excesses(path, limits, profile):
     factors, which are 1 or less where the limit is kept. A motion slower by the factor keeps it.
     """
     profile = _without_rounding(profile, limits)
-    found = _along(limits, profile)
-    count = 1 + int(np.ceil(profile.duration / limits.period_s - 1e-9))
-    # beyond, a chord is so short beside the curve that the curvature gives its error
-    by_chords = limits.chord_error is not None and count <= 1 + MOST_SAMPLES
-    if by_chords:
-        periods = profile.displacement(np.linspace(0.0, profile.duration, max(count, 2)))
+    found, by_chords = _along(limits, profile), _has_chords(limits, profile)
     for k, track in enumerate(path.tracks):
         if limits.of_the_curve:
             found += _at_places(track, path.origins[k], path.u[path.curve == k], limits, profile, by_chords)
-        if by_chords:
-            found.append(_at_chords(track, path.origins[k], limits, periods))
-    return [row for row in found if len(row[3])]
+    return [row for row in found if len(row[3])] + chord_excesses(path, limits, profile)
+
+
+def chord_excesses(path, limits, profile):
+    """The rows of `excesses` that depend on where the periods end."""
+    if not _has_chords(limits, profile):
+        return []
+    count = 1 + int(np.ceil(profile.duration / limits.period_s - 1e-9))
+    periods = profile.displacement(np.linspace(0.0, profile.duration, max(count, 2)))
+    rows = [_at_chords(*place, limits, periods) for place in zip(path.tracks, path.origins, strict=True)]
+    return [row for row in rows if len(row[3])]
+
+
+def _has_chords(limits, profile):
+    """Whether the chords are looked at; of too many the curvature gives the error."""
+    return limits.chord_error is not None and profile.duration <= MOST_SAMPLES * limits.period_s
 
 
 def _along(limits, profile):
@@ -130,11 +139,11 @@ def _used(track, limits, u, seen, motion, by_chords):
     change = j * tangents + 3.0 * v * a * curvatures + v**3 * rates
     for name, used, limit, power in (
         (VECTOR, lengths_of(vector)[:, None], None if limits.tangential_only else limits.acceleration, 2.0),
-        ("axis_acceleration", np.abs(vector), limits.axis_acceleration, 2.0),
-        ("axis_jerk", np.abs(change), limits.axis_jerk, 3.0),
+        ("axis_acceleration", vector, limits.axis_acceleration, 2.0),
+        ("axis_jerk", change, limits.axis_jerk, 3.0),
     ):
         if limit is not None:
-            part = np.where(motion[0] > 0.0, (used / limit).max(axis=1), 0.0)
+            part = np.where(motion[0] > 0.0, largest(used / limit), 0.0)
             rows.append((name, part ** (1.0 / power)))
     return rows
 
@@ -160,6 +169,8 @@ def _at_chords(track, origin, limits, periods):
 
 def worst(found):
     """Name, place and size of the largest factor."""
+    if not found:
+        return "", 0.0, 0.0
     name, start, _, factors = max(found, key=lambda row: row[3].max())
     at = int(factors.argmax())
     return name, float(start[at]), float(factors[at])

@@ -6,7 +6,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_not_negative
 from nurbs_lab.common.executor import one_or_many
-from nurbs_lab.motion._verify import BY_SPEED, VECTOR, excesses, worst
+from nurbs_lab.motion._verify import BY_SPEED, VECTOR, chord_excesses, excesses, worst
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import scan
@@ -117,9 +117,9 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
     profile ends at any time.
     """
     motion = _motion(path, limits, ends, fineness)
-    profile, periods, slowed = motion.profile, 0, False
+    profile, periods, slowed, look = motion.profile, 0, False, excesses
     for _ in range(_ROUNDS):
-        found = excesses(path, limits, profile)
+        found = look(path, limits, profile)
         name, at, factor = worst(found)
         factor = max(1.0, factor)
         if factor <= 1.0 + _ROUNDED and (slowed or gone is None):
@@ -133,8 +133,11 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
             path = _tightened(path, found)
             motion = _motion(path, limits, ends, fineness)
             slowed = slowed and motion.profile.duration <= profile.duration
-            profile = motion.lasting(profile.duration) if slowed else motion.profile
-        elif gone is None:
+            profile, look = motion.lasting(profile.duration) if slowed else motion.profile, excesses
+            continue
+        # from rest to rest it becomes a slow copy of itself, which keeps all but the errors of other chords
+        look = excesses if ends.any() else chord_excesses
+        if gone is None:
             profile = motion.lasting(profile.duration * factor)
         else:
             periods = max(periods + 1, int(whole[1]))

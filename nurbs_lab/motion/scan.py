@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nurbs_lab.common.checks import largest
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.corners import ROWS, sampled, slowed_at_corners
 from nurbs_lab.nurbs import span_kernels
@@ -124,8 +125,8 @@ class Scan:
         along = np.full(len(lengths), 1.0 / limits.acceleration)
         across = np.linalg.norm(curvatures, axis=1) / limits.across[0]
         if limits.axis_acceleration is not None:
-            along = np.maximum(along, (np.abs(tangents) / limits.axis_acceleration).max(axis=1))
-            across = np.maximum(across, (np.abs(curvatures) / limits.axis_acceleration).max(axis=1))
+            along = np.maximum(along, largest(tangents / limits.axis_acceleration))
+            across = np.maximum(across, largest(curvatures / limits.axis_acceleration))
         square = np.where(near, held, 1.0) ** 2
         most = np.minimum(np.where(near, parts, 1.0), 2.0 / (1.0 + np.sqrt(1.0 + 4.0 * across * square)))
         rest = 1.0 - 0.5 * most
@@ -207,7 +208,7 @@ def _merged(tracks, origins, rows, kinks, ends, limits):
     rows["tops"][[ends - 1, ends]] = rows["tops"][[ends - 1, ends]].min(axis=0)
     both = np.hstack([tangents, curvatures * rows["lengths"][-1]])
     keep = np.ones(len(speeds), dtype=bool)
-    keep[ends] = np.abs(both[ends] - both[ends - 1]).max(axis=1, initial=0.0) > JUMP
+    keep[ends] = largest(both[ends] - both[ends - 1]) > JUMP
     steps = tangents[ends] - tangents[ends - 1]
     kinked = steps.any(axis=1)
     found = np.column_stack([rows["lengths"][ends], steps])[kinked]

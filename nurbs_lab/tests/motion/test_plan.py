@@ -176,14 +176,17 @@ def test_an_end_that_moves_and_axes_that_accelerate_little_go_together():
 def test_a_plan_tightened_after_it_was_slowed_down_lasts_whole_periods_too(more, monkeypatch):
     """The second profile, the first one slowed down, is said to exceed a limit by 5 % in speed."""
     seen, place = [], np.array([0.0])
-    measured = plan.excesses
 
-    def once_more(path, limits, profile):
-        seen.append(profile.duration)
-        excess = "axis_acceleration", place, place + path.length, place + 1.05
-        return measured(path, limits, profile) + [excess] * (len(seen) == 2)
+    def once_more(measured):
+        def look(path, limits, profile):
+            seen.append(profile.duration)
+            excess = "axis_acceleration", place, place + path.length, place + 1.05
+            return measured(path, limits, profile) + [excess] * (len(seen) == 2)
 
-    monkeypatch.setattr(plan, "excesses", once_more)
+        return look
+
+    for name in ("excesses", "chord_excesses"):
+        monkeypatch.setattr(plan, name, once_more(getattr(plan, name)))
     limits = {"speed": 60.0, "acceleration": 900.0, "axis_acceleration": 900.0, "period_s": 1e-3}
     feed = nl.plan_feed(nl.nurbs.arc(10, 0, 1.5, (0, 0)), **limits, **more)
     assert feed.duration > seen[1] + 1e-3
