@@ -49,7 +49,9 @@ def curve(
             *path.T, color=BLUE, linestyle="-", linewidth=2, label=label or f"curve, degree {curve.degree}"
         )
         if control_polygon:
-            polygon = curve.control_points[:, :2]
+            polygon, degree = curve.control_points[:, :2], curve.degree
+            if np.array_equal(polygon[:degree], polygon[-degree:]):  # closed: they come again
+                polygon = polygon[: len(polygon) - degree + 1]
             ax.plot(*polygon.T, "o--", color=GREY, linewidth=1, label="control polygon", zorder=1)
         if knots:
             inner = find_breaks(curve.knots, curve.degree)

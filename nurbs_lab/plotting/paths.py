@@ -119,7 +119,7 @@ def fluctuation(paths, *, metric="chord", over="u"):
             said = f"{name}\nlargest {largest[name]}\nrms {rms}"
             panel.annotate(said, (1.02, 0.5), xycoords="axes fraction", va="center", annotation_clip=False)
         plain_log_ticks(panels[0].yaxis)
-        panels[len(panels) // 2].set_ylabel(f"{metric} fluctuation [%]")
+        figure.supylabel(f"{metric} fluctuation [%]", fontsize=11)
         panels[-1].set_xlabel(_OVER[over])
     return figure
 
@@ -294,6 +294,8 @@ def chord_error(*, ax=None):
 def binding(path, *, ax=None):
     """The tool path, in the colour and width of the limit that is active.
 
+    The legend names every limit of the plan, so that plans of the same limits have the same picture.
+
     Parameters
     ----------
     path : ToolPath
@@ -302,11 +304,14 @@ def binding(path, *, ax=None):
     points = path.points[:, :2]
     chords = np.stack([points[:-1], points[1:], np.full_like(points[1:], np.nan)], axis=1)
     limits = path.feed.limiting(path.t[1:])
-    with canvas(7.5, 5, ax) as (figure, ax):
-        names, counts = np.unique(limits, return_counts=True)
-        for name, k in zip(names, np.argsort(np.argsort(-counts)), strict=True):  # the rarest on top
+    given = [name for name in LIMITS if getattr(path.feed.limits, name, None) is not None]
+    broad, high = np.ptp(points, axis=0)
+    with canvas(7.5, np.clip(5.0 * high / max(broad, 1e-9) + 0.9, 2.4, 5.0), ax) as (figure, ax):
+        for name in dict.fromkeys([*given, *np.unique(limits).tolist()]):
+            width = 2 + [*LIMITS, name].index(name)  # always the same one for a limit
             mine, (colour, _) = chords[limits == name].reshape(-1, 2), LIMITS.get(name, OTHER_LIMIT)
-            ax.plot(*mine.T, "-", color=colour, linewidth=2 + k, zorder=2 + k, label=name.replace("_", " "))
+            label = name.replace("_", " ")
+            ax.plot(*mine.T, "-", color=colour, linewidth=width, zorder=width, label=label)
         equal_mm(ax)
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="limited by")
     return figure

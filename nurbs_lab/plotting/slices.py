@@ -32,8 +32,8 @@ def layer(layer, *, order=False, ax=None):
         across, along, normal = _axis_names(layer)
         equal_mm(ax, (across, along))
         ax.autoscale_view()
-        count = len(layer.contours)
-        ax.set_title(f"{normal} = {layer.height:.4g} mm, {count} contour{'s' * (count != 1)}")
+        count, height = len(layer.contours), f"{layer.height:.4g}".replace("-", "−")
+        ax.set_title(f"{normal} = {height} mm, {count} contour{'s' * (count != 1)}")
     return figure
 
 

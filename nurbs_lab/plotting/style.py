@@ -10,8 +10,9 @@ from functools import partial
 from inspect import cleandoc
 
 import matplotlib.pyplot as plt
+import numpy as np
 from cycler import cycler
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import Formatter, LogLocator, NullFormatter
 
 from nurbs_lab.plotting.picture import Picture
 
@@ -111,13 +112,27 @@ def subplots(rows=1, columns=1, width=7.0, height=4.0, **options):
 
 
 def plain_log_ticks(axis):
-    """Plain figures on a logarithmic axis: 1, 2, 5, 10 on a short one, 0.1, 1, 10 on a long one.
+    """Plain numbers on a logarithmic axis: 1, 2, 5, 10 on a short one, 0.1, 1, 10 or powers on a long one.
 
     Matplotlib's own are set by its TeX parser, which takes longer than the rest of a picture.
     """
     axis.set_major_locator(_LogTicks())
-    axis.set_major_formatter("{x:g}")
+    axis.set_major_formatter(_LogNumbers())
     axis.set_minor_formatter(NullFormatter())
+
+
+class _LogNumbers(Formatter):
+    """Numbers without an exponent, or powers of ten throughout where one of them would need it."""
+
+    _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+    def __call__(self, value, position=None):
+        """The label of one tick."""
+        low, high = self.axis.get_view_interval()
+        power = np.log10(value)
+        if (low > 9e-5 and high < 9e5) or abs(power - round(power)) > 1e-6:
+            return f"{value:g}"
+        return "10" + f"{power:.0f}".translate(self._RAISED)
 
 
 class _LogTicks(LogLocator):

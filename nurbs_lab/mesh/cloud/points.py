@@ -280,7 +280,7 @@ def _holes_closed(vertices, triangles, points, normals, spacing):
     if said := " and ".join(text for true, text in reasons if true):
         raise ValueError(
             f"points show no closed surface: the best one {said}; give more points, or normals "
-            "that point outward; sections of a part go to nurbs_lab.skin"
+            "that point outward; for contours of a part, use nurbs_lab.skin"
         )
     tails, heads = tails_and_heads(triangles)
     far = (gaps[tails] > _APART) & (gaps[heads] > _APART)

@@ -18,7 +18,7 @@ def test_every_chord_is_drawn_once_under_the_limit_that_binds():
     feed = nl.plan_feed(nl.paper.CURVE, speed=4, acceleration=40, period_s=0.01)
     path = nl.trace(nl.paper.CURVE, feed, stepper="rk4")
     ax = nl.plotting.binding(path).axes[0]
-    assert [line.get_label() for line in ax.lines] == ["acceleration", "speed"]
+    assert [line.get_label() for line in ax.lines] == ["speed", "acceleration"]
     limits = feed.limiting(path.t[1:])
     for line in ax.lines:
         mine = limits == line.get_label()
