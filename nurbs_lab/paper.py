@@ -106,11 +106,8 @@ def audit(section):
 
 
 def _entry(claim):
-    check = (
-        f'from the cell <a href="#{claim.check}">{claim.check}</a>'  # HTML, as Sphinx follows no links here
-    )
-    number = f" **{claim.number}**, {check}." if claim.number else ""
-    done = f'<a href="{claim.notebook}.ipynb">{claim.notebook[:2]}</a>, `{claim.module}`'
-    return (
-        f"**{claim.item}** · *{claim.verdict}*\n\n> {claim.quote}\n\n{claim.reading}{number} Done in {done}."
-    )
+    check = f'<a href="#{claim.check}">{claim.check}</a>'  # HTML, as Sphinx follows no links here
+    number = f" **{claim.number}** (cell {check})." if claim.number else ""
+    notebook = f'<a href="{claim.notebook}.ipynb">{claim.notebook[:2]}</a>'
+    done = f"See notebook {notebook} and `{claim.module.removeprefix('nurbs_lab/')}`."
+    return f"**{claim.item}** · *{claim.verdict}*\n\n> {claim.quote}\n\n{claim.reading}{number} {done}"
