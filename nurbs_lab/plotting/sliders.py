@@ -122,7 +122,7 @@ def _label(name):
 
 
 def _shown(value):
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+    return f"{value:.4g}".replace("-", "−") if isinstance(value, float) else str(value)
 
 
 def explore(draw, **controls):
