@@ -6,8 +6,9 @@ from pathlib import Path
 
 from nurbs_lab.common.checks import as_kind
 from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.plotting.curves import basis
 from nurbs_lab.plotting.curves import curve as plot
-from nurbs_lab.plotting.picture import Stored, png_of
+from nurbs_lab.plotting.picture import Stored, png_of, sheet
 from nurbs_lab.plotting.stage import live
 
 #: The type under which a notebook stores the curve beside its picture; the book lets it be dragged.
@@ -48,7 +49,7 @@ def drag(curve):
     }
     alt = f"a curve of degree {p} with {len(curve.control_points)} control points, which can be dragged"
     more = {"text/html": page(shape, uuid.uuid4(), SCRIPT.read_text())} if live() else {MIME: shape}
-    return Stored(png_of(plot(curve)), alt, "curve", more=more)
+    return Stored(sheet([png_of(plot(curve)), png_of(basis(curve))]), alt, "curve", more=more)
 
 
 def page(shape, name, script="", picture="") -> str:
