@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.plotting.style import BLUE, COLOURS, PALE, RED, canvas, takes_axes
+from nurbs_lab.plotting.style import BLACK, BLUE, COLOURS, PALE, RED, canvas, takes_axes
 
 _HATCHES = ("", "//", "..", "xx", "\\\\", "++")
 
@@ -46,7 +46,8 @@ def area(groups, *, limits, ax=None):
     }
     with canvas(8, 4.2, ax) as (figure, ax):
         _bars(ax, fractions, lambda value: f"{value:.0f} %")
-        ax.axhline(100, color=RED, linestyle="--", linewidth=1.2)
+        # above the bars, below their labels
+        ax.axhline(100, color=BLACK, linestyle="--", linewidth=1.2, zorder=2.5)
         ax.set_ylabel("fraction of the chip [%]")
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return figure
