@@ -119,8 +119,9 @@ def faces(solid, *, stage=None, title=None):
         if some := [face for face in solid.faces if face.kind == kind]:
             legend += [[line, colours[kind]] for line in kinds_of_faces(some).split(", ")[:_LINES]]
     for k, (line, colour) in enumerate(legend):
-        place = (0.02, 0.88 - 0.05 * k)
-        stage.add_text(f"■ {line}", position=place, viewport=True, font_size=10, color=colour, font_file=FONT)
+        for text, x, ink in (("■", 0.02, colour), (line, 0.045, INK)):
+            place = (x, 0.88 - 0.05 * k)
+            stage.add_text(text, position=place, viewport=True, font_size=10, color=ink, font_file=FONT)
     return _trimmed(solid, stage, colours.get, True, title, left=0.2)  # for the names
 
 

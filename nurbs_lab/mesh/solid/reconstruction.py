@@ -259,7 +259,7 @@ class Reconstruction(Value):
             f"control points {points} ({points / len(mesh.faces):.2f} per triangle)",
             f"deviation: largest {largest} mm, mean {mean} mm, "
             f"{100 * deviation.fraction_within(self.tolerance):.2f} % within {self.tolerance:g} mm",
-            f"largest angle across edges that are not sharp in the mesh {angle} degrees",
+            f"angle between normals at smooth edges: largest {angle} degrees",
             f"volume {self.volume / self.mended_volume:.5f} and area {self.area / mesh.area:.3f} of the mesh",
         )
 
