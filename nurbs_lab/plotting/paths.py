@@ -310,8 +310,8 @@ def binding(path, *, ax=None):
         for name in dict.fromkeys([*given, *np.unique(limits).tolist()]):
             width = 2 + [*LIMITS, name].index(name)  # always the same one for a limit
             mine, (colour, _) = chords[limits == name].reshape(-1, 2), LIMITS.get(name, OTHER_LIMIT)
-            label = name.replace("_", " ")
-            ax.plot(*mine.T, "-", color=colour, linewidth=width, zorder=width, label=label)
+            look = {"linewidth": width, "zorder": 20 - width, "solid_capstyle": "butt"}  # a thin one on top
+            ax.plot(*mine.T, "-", color=colour, label=name.replace("_", " "), **look)
         equal_mm(ax)
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="limited by")
     return figure
