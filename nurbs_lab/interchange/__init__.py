@@ -8,8 +8,8 @@ suffix                  what `export` writes, and `read` gives back
 ``.json``               curves or surfaces, as geomdl writes and reads them; a list of shapes
 ``.obj`` ``.stl``       surfaces as triangles, reconstructions as closed meshes; a `trimesh.Trimesh`
 ``.ply`` ``.off``       only read, as ``.3mf`` ``.glb`` are: a `trimesh.Trimesh`, or the points of a PLY
-``.ngc``                a curve, tool path or program for a machine tool; a `Program`
-``.nc`` ``.mpf`` ``.h`` only read: the same, as ``.gcode``, ``.spf`` and others are; a `Program`
+``.ngc`` ``.nc``        a curve, tool path or program for a machine tool; also ``.mpf``, ``.tap`` and others,
+                        and ``.h`` for Heidenhain's; a `Program`
 ``.csv`` ``.txt``       a tool path, a table ``t,u,x,y[,z],v`` (only a ``.csv``); a `PathTable`, or points
 ======================  =====================================================================================
 
@@ -49,17 +49,16 @@ import stat
 
 from nurbs_lab.common.checks import as_file, as_path
 from nurbs_lab.interchange._dialects import DIALECTS
-from nurbs_lab.interchange._export_items import Parts
+from nurbs_lab.interchange._export_items import PROGRAMS, Parts
 from nurbs_lab.interchange._gcode import Setup
 from nurbs_lab.interchange.smoothing import blend, smooth
 
 __all__ = ["DIALECTS", "Setup", "blend", "export", "read", "smooth"]
 
 _FORMATS = {".step": "_step", ".stp": "_step", ".iges": "_iges", ".igs": "_iges", ".json": "_json"}
-_FORMATS |= {".obj": "_triangles", ".stl": "_triangles", ".ngc": "_gcode", ".csv": "_table"}
-_READABLE = _FORMATS | {".ngc": "_gcode_reader", ".txt": "_table"}
-_PROGRAMS = ".nc", ".mpf", ".h", ".gcode", ".tap", ".cnc", ".spf", ".min", ".eia", ".gco"
-_READABLE |= dict.fromkeys(_PROGRAMS, "_gcode_reader")
+_FORMATS |= {".obj": "_triangles", ".stl": "_triangles", ".csv": "_table"}
+_FORMATS |= dict.fromkeys(PROGRAMS, "_gcode")
+_READABLE = _FORMATS | {".txt": "_table"} | dict.fromkeys(PROGRAMS, "_gcode_reader")
 _READABLE |= dict.fromkeys((".ply", ".off", ".3mf", ".glb"), "_triangles")
 
 
@@ -72,7 +71,7 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
         Ends in one of the suffixes of `nurbs_lab.interchange`.
     *items : NurbsCurve, NurbsSurface, Reconstruction, ToolPath, Program, or lists of them
     dialect : {"g1", "arcs", "linuxcnc", "siemens", "fanuc", "heidenhain"}, optional
-        Of a ``.ngc`` file: chords (the default), arcs G2 and G3, G5.2, BSPLINE, G06.2, or SPL. The last
+        Of a program: chords (the default), arcs G2 and G3, G5.2, BSPLINE, G06.2, or SPL. The last
         three write circles and helices as arcs. A tool path without a dialect is a move a period.
     feed : float, optional
         Speed along a curve, in mm/s; the moves of a program have their own.
@@ -84,7 +83,7 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
     axes : str, optional
         One letter for each coordinate, such as "XYZ".
     setup : Setup, optional
-        Tool, spindle, offset, first and last moves of a ``.ngc`` file; without it the file holds moves only.
+        Tool, spindle, offset, first and last moves of a program; without it the file holds moves only.
 
     Returns
     -------
@@ -94,7 +93,7 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
     Raises
     ------
     ValueError, TypeError
-        Unknown suffix, nothing to write, something the format cannot hold, or a curve in a ``.ngc`` file
+        Unknown suffix, nothing to write, something the format cannot hold, or a curve in a program
         without its feed, tolerance, units and axes: none of them is chosen in silence.
     ImportError
         The format needs a package that is not installed; the message says the command.
@@ -112,8 +111,9 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
     path, module = _format_of(path, _FORMATS)
     options = {"dialect": dialect, "feed": feed, "tolerance": tolerance, "units": units, "axes": axes}
     options = {name: value for name, value in {**options, "setup": setup}.items() if value is not None}
-    if options and path.suffix.lower() != ".ngc":
-        raise ValueError(f"{next(iter(options))} is for .ngc files, and path is {path.name!r}; leave it out")
+    if options and path.suffix.lower() not in PROGRAMS:
+        said = f"{next(iter(options))} is for .ngc files and other programs"
+        raise ValueError(f"{said}, and path is {path.name!r}; leave it out")
     parts = Parts(items)
     parts.require(path.suffix.lower())
     if not path.parent.is_dir():
@@ -226,5 +226,5 @@ def _format_of(path, modules):
     suffix = path.suffix.lower()
     if suffix not in modules:
         said = f"unknown suffix {suffix!r} of {path.name!r}; known: {', '.join(modules)}"
-        raise ValueError(f"path: {said}" + "; name a program .nc" * (modules is _READABLE))
+        raise ValueError(f"path: {said}" + "; name a program .nc")
     return path, importlib.import_module(f"nurbs_lab.interchange.{modules[suffix]}")

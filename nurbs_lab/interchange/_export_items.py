@@ -9,6 +9,8 @@ from nurbs_lab.machining.program import Program
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN
 
+#: Suffixes of programs: what is in them does not depend on the suffix, but a ``.h`` is one of Heidenhain's.
+PROGRAMS = ".ngc", ".nc", ".mpf", ".h", ".gcode", ".tap", ".cnc", ".spf", ".min", ".eia", ".gco"
 _CAD, _MESHES = ".step .stp .igs .iges .json", ".obj .stl"
 #: Kind -> its name, the formats that hold it, and its class or the attributes that tell it.
 _KINDS = {
@@ -39,7 +41,7 @@ class Parts:
     def require(self, suffix):
         """Refuse what a format cannot hold, and warn of faces that fold or cross."""
         for kind, (name, formats, _) in _KINDS.items():
-            if getattr(self, kind) and suffix not in formats.split():
+            if getattr(self, kind) and (".ngc" if suffix in PROGRAMS else suffix) not in formats.split():
                 raise ValueError(f"items: a {suffix} file cannot hold {name}; write it to {formats}")
         folded = sum(solid.folded_faces for solid in self.solids)
         crossings = sum(len(solid.crossings) for solid in self.solids)

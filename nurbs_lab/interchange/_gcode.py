@@ -81,8 +81,11 @@ class Setup:
 
 def write(path, parts, dialect=None, feed=None, tolerance=None, units=None, axes=None, setup=None):
     if (given := len(parts.curves) + len(parts.paths) + len(parts.programs)) != 1:
-        said = f"a .ngc file holds one curve, path or program, got {given}"
+        said = f"a {path.suffix} file holds one curve, path or program, got {given}"
         raise ValueError(f"items: {said}; a machining.Program has the moves between curves too")
+    if path.suffix.lower() == ".h" and dialect != "heidenhain":
+        said = "a .h file is one of Heidenhain's; give dialect='heidenhain', or name the program .nc"
+        raise ValueError(f"dialect = {shown(dialect)}: {said}")
     if parts.paths and dialect is None:
         if any(value is not None for value in (feed, tolerance, units, axes, setup)):
             raise ValueError("feed, tolerance, units, axes, setup: name a dialect, or leave them to the path")

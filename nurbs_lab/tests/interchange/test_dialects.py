@@ -39,6 +39,16 @@ def test_a_tool_path_is_one_move_a_period(tmp_path, dim):
     np.testing.assert_allclose(steps / np.array(feeds) * 60, np.diff(sent.t), rtol=1e-6)
 
 
+def test_the_suffix_of_a_program_changes_nothing_but_that_h_is_heidenhains(tmp_path):
+    def export(name, **more):
+        return nl.export(tmp_path / name, nl.paper.CURVE, **PLANE, **more)
+
+    assert len({export(f"a{suffix}").read_bytes() for suffix in (".ngc", ".nc", ".mpf")}) == 1
+    with pytest.raises(ValueError, match=r"a \.h file is one of Heidenhain's; give dialect"):
+        export("a.h")
+    assert nl.read(export("a.h", dialect="heidenhain")).moves[-1].kind == "cut"
+
+
 def test_a_path_that_waits_takes_its_time(tmp_path):
     """In dwells: two holds, a step below the last digit, and the end. LinuxCNC takes seconds."""
     at = np.array([0.0, 0.0, 1e-9, 1.0, 3.0, 3.0, 3.0, 3.5, 3.5])
