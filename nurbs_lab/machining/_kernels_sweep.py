@@ -39,40 +39,49 @@ def depth(dx, dy, dz, shape):
 
 
 @inlined
-def beside_box(boxes, node, x, y, z, shape):
-    """Signed distance of a point to a cutter, no more than that for any tip in the box."""
+def off(dx, dy, dz, shape, upright):
+    """`depth` of a point, or how high above it the cutter is, infinite beside it."""
+    if not upright:
+        return depth(dx, dy, dz, shape)
+    d = np.sqrt(dx * dx + dy * dy)
+    return rise(d, shape) - dz if d <= shape[3] else np.inf
+
+
+@inlined
+def beside_box(boxes, node, x, y, z, shape, upright):
+    """How far `off` a point is, no more than that for any tip in the box."""
     dx = max(boxes[node, 0] - x, x - boxes[node, 3], 0.0)
     dy = max(boxes[node, 1] - y, y - boxes[node, 4], 0.0)
-    return depth(dx, dy, z - boxes[node, 2], shape)
+    return off(dx, dy, z - boxes[node, 2], shape, upright)
 
 
 @compiled
-def left(points, tips, boxes, shape, out, which):
-    """Lower ``out`` at every point to its distance to the nearest of all cutters, and say in ``which``.
+def left(points, tips, boxes, shape, enough, upright, out, which):
+    """Lower ``out`` at every point to how far `off` the nearest of all cutters is, and say in ``which``.
 
     The tips are in the order of the tree ``boxes``. The nearer one of two boxes is opened first. The tip
-    nearest to one point gives a first distance for the next.
+    nearest to one point gives a first distance for the next. A search ends below ``enough``.
     """
     held, leaves, stack, gaps = ZERO, (len(boxes) + 1) // 2, np.empty(128, np.int64), np.empty(128)
     for i in range(len(points)):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        best = min(out[i], depth(x - tips[held, 0], y - tips[held, 1], z - tips[held, 2], shape))
+        best = min(out[i], off(x - tips[held, 0], y - tips[held, 1], z - tips[held, 2], shape, upright))
         stack[0], gaps[0], waiting = 0, -np.inf, 1
-        while waiting:
+        while waiting and best >= enough:
             waiting -= 1
             node = stack[waiting]
             if gaps[waiting] >= best:
                 continue
             if node < leaves - 1:
-                to_left = beside_box(boxes, 2 * node + 1, x, y, z, shape)
-                to_right = beside_box(boxes, 2 * node + 2, x, y, z, shape)
+                to_left = beside_box(boxes, 2 * node + 1, x, y, z, shape, upright)
+                to_right = beside_box(boxes, 2 * node + 2, x, y, z, shape, upright)
                 waiting = open_box(node, to_left, to_right, stack, gaps, waiting)
                 continue
             start = (node - leaves + 1) * LEAF
             for k in range(start, min(start + LEAF, len(tips))):
-                off = depth(x - tips[k, 0], y - tips[k, 1], z - tips[k, 2], shape)
-                if off < best:
-                    best, held = off, k
+                gap = off(x - tips[k, 0], y - tips[k, 1], z - tips[k, 2], shape, upright)
+                if gap < best:
+                    best, held = gap, k
         out[i], which[i] = best, held
 
 

@@ -14,7 +14,7 @@ from nurbs_lab.machining.part import SINGLE, prepare_part
 from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.program import MACHINE, Program
 from nurbs_lab.machining.stock import as_stock, material_of, require_inside
-from nurbs_lab.machining.surface import at_rest, left_over, sample_surface, visible, with_valleys
+from nurbs_lab.machining.surface import at_rest, left_over, sample_surface, standing, visible, with_valleys
 from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
 
@@ -113,18 +113,18 @@ def finish(
     ways = ways_over(bare, material, floor, max(high, material.top), feed, machine)
 
     plan = layout(fitting.touch(0.5), cutter, CUSP * scallop, floor)
-    paths, said = covering(fitting, plan, scallop, after)
+    paths, said = covering(fitting, plan, scallop, after, material)
     if not paths:
         raise ValueError("there is nothing that this cutter can mill from above; use a smaller one")
     require_length(part, cutter, locations(paths))
     return replace(ways.program(ways.ordered(paths), tolerance, begun, said), after=after)
 
 
-def covering(fitting, plan, scallop, after):
+def covering(fitting, plan, scallop, after, material):
     """Paths that leave no more than the scallop where the cutter reaches the part and ``after`` left more.
 
-    What is left is measured on samples of the part, beyond what the cutter must leave there. A warning says
-    where more is left.
+    What is left is measured on samples of the part, beyond what the cutter must leave there, and as material
+    that stands above those it reaches. A warning says where more is left.
     """
     part, cutter = fitting.part, fitting.cutter
     spacing = max(SAMPLES * plan.step, FINEST_SAMPLES * cutter.diameter)
@@ -136,14 +136,20 @@ def covering(fitting, plan, scallop, after):
     places = np.vstack([places, tips])
     points, plan = samples.points, plan.with_steps(tips[found], samples.normals[found])
     done = [] if after is None else [(one.cutter, program_tips(one)) for one in after.chain]
-    poor = left_by(done, points, gaps, scallop) > scallop
-    paths = fit_paths(fitting, plan.paths(tips[poor]))
-    left, before = left_by([*done, (cutter, locations(paths))], points, gaps, scallop), np.inf
-    while 0 < (poor := left > scallop).sum() < before:
-        points, tips, gaps, left = points[poor], tips[poor], gaps[poor], left[poor]
-        more, before = fit_paths(fitting, plan.paths_through(tips, left)), len(left)
-        paths += more
-        left = np.minimum(left, left_by([(cutter, locations(more))], points, gaps, scallop))
+    far = left_by(done, points, np.full(len(points), 2.0 * scallop + gaps.max(initial=0.0)))
+    paths, before = fit_paths(fitting, plan.paths(tips[far - gaps > scallop])), np.inf
+    above, fresh = np.where(found, material.above(points), 0.0), paths
+    while True:
+        done = [*done, (cutter, locations(fresh))]
+        far = left_by(done[-1:], points, far)
+        some, over, deep = standing(fitting.touch(0.0), cutter, points, above, scallop, done, places)
+        left, rest, done = far - gaps, np.delete(np.arange(len(points)), some), []
+        left[some], tips[some], above[rest] = deep, over, 0.0
+        if not 0 < np.count_nonzero(poor := left > scallop) < before:
+            break
+        points, tips, gaps, far, above, left = (one[poor] for one in (points, tips, gaps, far, above, left))
+        fresh, before = fit_paths(fitting, plan.paths_through(tips, left)), len(left)
+        paths = paths + fresh
     if left.max(initial=0.0) <= scallop + fitting.tolerance:
         return paths, ()
     said = (
@@ -162,12 +168,11 @@ def closest(fitting, samples, floor, places):
     return samples[near], found[near], tips[near], gaps[near]
 
 
-def left_by(done, points, gaps, scallop):
-    """By how much more than the gaps the points are away from some cutters at some tips."""
-    left = np.full(len(points), 2.0 * scallop + gaps.max(initial=0.0))
+def left_by(done, points, far):
+    """Distances ``far`` of points lowered to those from cutters at their tips."""
     for one in done:
-        left, _ = left_over(*one, points, left)
-    return left - gaps
+        far, _ = left_over(*one, points, far)
+    return far
 
 
 def locations(paths):

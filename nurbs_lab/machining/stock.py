@@ -143,6 +143,13 @@ class Material:
         """Of the whole, in mm."""
         return float(self.field.z.max())
 
+    def above(self, points) -> np.ndarray:
+        """Height of the material over points ``(n, 3)``, infinite where there is none."""
+        field, xy = self.field, points[:, :2]
+        (low, high), up = field.bounds[:, :2] + [[-field.step], [field.step]], field.z[field.index(xy)]
+        inside = ((xy >= low) & (xy <= high)).all(axis=1) & (up >= points[:, 2] - field.step)
+        return np.where(inside, np.maximum(up - points[:, 2], 0.0), np.inf)
+
     def cut(self, curve):
         """Remove what the cutter removes along a curve."""
         none, tips, grow = np.empty((0, 2)), self.along(curve), HALF * self.field.step

@@ -9,7 +9,8 @@ from nurbs_lab.common.checks import lengths
 from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining._kernels_contact import ROUNDING
-from nurbs_lab.machining.drop import NEEDLE, Contact
+from nurbs_lab.machining.cutter import Cutter
+from nurbs_lab.machining.drop import NEEDLE, Contact, contact
 from nurbs_lab.machining.field import require_size
 from nurbs_lab.machining.part import SINGLE
 from nurbs_lab.machining.program import TOGETHER_MM
@@ -132,11 +133,35 @@ def visible(part, samples, floor, tolerance):
     return (samples.points[:, 2] >= floor - tolerance) & ~Contact(part, NEEDLE, 0.0).collides(above)
 
 
-def left_over(cutter, tips, points, reach=np.inf):
+def standing(touch, cutter, points, above, height, done, places):
+    """Points above which a cutter at rest takes more than ``height``, its tips there, and how much it takes.
+
+    Beside a pass that comes near a point, a pillar may stand on it. ``above (n,)`` is how high the stock is
+    over the points, ``done`` holds cutters and their tips, and ``places`` are tips of the cutter at rest.
+    """
+    some = np.flatnonzero((above > height) & (above < np.inf) & (height < cutter.radius))
+    points, above, ball = points[some], above[some], Cutter("ball", diameter=2.0 * height)
+    far = points.copy()  # the highest over each of them that is so near the part
+    far[:, 2] = contact(touch.part, ball).heights(points[:, :2]) + height
+    stand = far[:, 2] < points[:, 2] + above
+    for one in done:
+        stand[stand] = left_over(*one, far[stand], SINGLE * height, 0.0)[0] > 0.0
+    some, tops, above = some[stand], points[stand], above[stand]
+    for one in done:
+        above, _ = left_over(*one, tops, above, upright=True)
+    tops[:, 2] += above
+    places = np.vstack([places, np.column_stack([tops[:, :2], touch.heights(tops[:, :2])])])
+    deep, which = left_over(cutter, places, tops, -height)
+    stand = deep < -height
+    return some[stand], places[which[stand]], -deep[stand]
+
+
+def left_over(cutter, tips, points, reach=np.inf, enough=-np.inf, upright=False):
     """Distance ``(n,)`` of each point to the nearest of the cutters with tips ``tips``, and which one it is.
 
-    It is negative inside. Larger distances than ``reach``, a number or one for each point, are returned as
-    ``reach``, of any cutter.
+    It is negative inside. If ``upright``, it is the height of the lowest one over the point. Larger ones than
+    ``reach``, a number or one for each point, are returned as ``reach``, of any cutter, and the first one
+    found that is less than ``enough`` will do.
     """
     out, which = np.full(len(points), reach, float), np.zeros(len(points), int)
     if not len(tips) or not len(points):
@@ -145,7 +170,7 @@ def left_over(cutter, tips, points, reach=np.inf):
     tips = tips[order]
 
     def kernel(block):
-        kernels.left(points[block], tips, boxes, cutter.shape, out[block], which[block])
+        kernels.left(points[block], tips, boxes, cutter.shape, enough, upright, out[block], which[block])
 
     over_blocks(kernel, len(points), "measuring what is left")
     return out, order[which]

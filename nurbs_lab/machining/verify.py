@@ -12,7 +12,7 @@ from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
 from nurbs_lab.machining.simulate import coarse
 from nurbs_lab.machining.stock import as_stock, material_of
-from nurbs_lab.machining.surface import at_rest, left_over, sample_surface, visible
+from nurbs_lab.machining.surface import at_rest, left_over, sample_surface, standing, visible
 from nurbs_lab.mesh.read import without_cache
 
 SPACING = 0.006  # diameters between sampled tips
@@ -32,7 +32,8 @@ class Verification(Value):
     left : (m,) array
         Material left on each sample of the reached surface, in increasing order: its distance from the
         nearest cutter, however far, or the height of the stock above it if that is known and less. The
-        little that a disc leaves there at rest is subtracted.
+        little that a disc leaves there at rest is subtracted. Where material above a sample stands out more
+        than is left at any of them, as a pillar beside a pass, it is how far.
     areas : (m,) array
         Area that each sample represents.
     points : (m, 3) array
@@ -146,7 +147,7 @@ def verify(program, part, *, spacing=None) -> Verification:
     part.require_closed()
     samples = sample_surface(part, spacing)
     seen = visible(part, samples, part.bounds[0, 2], program.tolerance)
-    chain, gouges, contacts = program.chain, [], []
+    chain, gouges, contacts, done, rests = program.chain, [], [], [], []
     left, gaps, found = np.full(len(seen), np.inf), np.full(len(seen), np.inf), np.zeros(len(seen), bool)
     for one in reversed(chain):
         cutter, touch, tips, before = one.cutter, contact(part, one.cutter), locations(one), left
@@ -154,20 +155,22 @@ def verify(program, part, *, spacing=None) -> Verification:
         gouges.insert(0, np.column_stack([deep, touch.depths(deep)]))
         contacts = [*_contacts(one, part, tips), *contacts]
         left, _ = left_over(cutter, tips, samples.points, before)
+        done.append((cutter, tips))
         if one is program or left[left < before].min(initial=np.inf) <= one.tolerance:
             floor = part.bounds[0, 2]
-            fits, _, off = at_rest(touch, cutter, samples, floor, one.tolerance, np.empty((0, 3)))
+            fits, rest, off = at_rest(touch, cutter, samples, floor, one.tolerance, np.empty((0, 3)))
             if cutter.flat_radius:  # a level place may be anywhere under the disc
                 fits |= seen & (off < 2.0 * one.tolerance)
             found |= fits
+            rests.append((touch, cutter, rest, fits))
             gaps = np.minimum(gaps, np.where(off < cutter.diameter, off, np.inf))
-    if chain[0].stock is not None:
-        field = material_of(as_stock(chain[0].stock), program.cutter).field
-        xy, (low, high) = samples.points[:, :2], field.bounds[:, :2] + [[-field.step], [field.step]]
-        above = field.z[field.index(xy)] - samples.points[:, 2]
-        inside = ((xy >= low) & (xy <= high)).all(axis=1) & (above >= -field.step)  # where there is stock
-        left[inside] = np.minimum(left, np.maximum(above, 0.0))[inside]
-    left, seen, narrow = left - gaps, seen | found, seen & ~found
+    above = material_of(as_stock(chain[0].stock, part), program.cutter).above(samples.points)
+    left = (left if chain[0].stock is None else np.minimum(left, above)) - gaps
+    for touch, cutter, rest, fits in rests:
+        high, over = max(left[fits].max(initial=0.0), program.tolerance), np.where(fits, above, 0.0)
+        some, _, deep = standing(touch, cutter, samples.points, over, high, done, rest)
+        left[some] = deep
+    seen, narrow = seen | found, seen & ~found
     bridged, left = left[narrow].clip(0.0), left[found]
     order, share = np.argsort(left, kind="stable"), samples.share
     return Verification(

@@ -50,3 +50,18 @@ def test_what_is_left_is_measured_however_far_it_reaches():
         assert found.fraction_above(2.0) == pytest.approx(np.mean(left > 2.0), abs=1e-3)
     elsewhere = box.copy().apply_translation((100.0, 0.0, 0.0))  # of which the stock says nothing
     assert nl.verify(replace(program, stock=stock), elsewhere).percentile(0) > 70.0
+
+
+def test_no_pillar_stays_that_passes_come_near_on_all_sides():
+    """By the lowest disc over places round the tip of a cone; without passes over it `verify` sees it."""
+    cone = trimesh.creation.cone(radius=10.0, height=15.0, sections=64)
+    cutter = nl.Cutter("flat", 6.0, length=40.0)
+    rough = nl.rough(cone, machining.stock_around(cone), cutter, 2.0, 0.3)
+    program = nl.finish(cone, cutter, scallop=0.5, tolerance=0.05, after=rough)
+    moves = [move for move in (*rough.moves, *program.moves) if move.kind != "rapid"]
+    tips = np.concatenate([move.curve(np.linspace(*move.curve.domain, 2000)) for move in moves])
+    for place in np.random.default_rng(0).uniform(-0.5, 0.5, (200, 2)):
+        assert tips[np.hypot(*(tips[:, :2] - place).T) < 3.0, 2].min() < 15.5
+    assert nl.verify(program, cone).percentile(100) < 0.5
+    beside = [move for move in program.moves if np.hypot(*move.curve.control_points[:, :2].T).min() > 2.5]
+    assert 1.9 < nl.verify(replace(program, moves=beside), cone).percentile(100) < 2.1
