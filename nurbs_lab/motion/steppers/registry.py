@@ -195,9 +195,6 @@ def steps_of(job, kernel, *options, details=None):
     step = kernel(track.spans, job.feed.table, job.period_s, u, counts, *options)
     broken = np.isnan(u[step + 1])
     if broken or u[step + 1] != track.domain[1]:
-        what = "gave no forward step" if broken else "did not reach the end of the curve"
-        raise ValueError(
-            f"the stepper {what}: step {step} at u = {u[step]:.9g}; "
-            "a shorter period or a stepper of another kind may pass there"
-        )
+        what = "no forward step" if broken else "the end of the curve is not reached"
+        raise ValueError(f"step {step} at u = {u[step]:.9g}: {what}; try a shorter period or another stepper")
     return Steps(u[: step + 2], tuple(map(int, counts)), details=details or {})
