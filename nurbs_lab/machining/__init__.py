@@ -51,7 +51,7 @@ SLACK (rough), of the step down          0.05     -8, -6 *       +33, +6 ***; of
 STEEP (search), slope                    4        0, 0 *         0, 0 *
 PUSHED (search), radii                   2e-5     0, -1 +        0, -1 +
 RAISES (link), points of a link          289      0, 0 +; 0.9 x  0, 0 +; 1.05 x the time
-SINGLE (part), of sizes and normals      1e-6     0, 0 +         0, 0 +; at 0 +3, +15, and one is refused
+SINGLE (part), sizes, normals, feeds     1e-6     0, 0 +         0, 0 +; at 0 +3, +15, and one is refused
 TOGETHER_MM (program)                    1e-9     0, 0 +         0, 0 +; at 0 +1, +6
 ROUNDING, _ROUNDS (contact)              1e-12,60 0, 0 +         0, 0 +
 INSIDE (stock), cells                    0.01     0, 0           0, 0; at 0 8 of 10 stocks of 32 bits refused

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 from nurbs_lab.common.checks import as_choice, as_not_negative, as_positive
+from nurbs_lab.machining._kernels_contact import ROUNDING, rise
 
 KINDS = ("ball", "flat", "bull", "cone")
 
@@ -30,16 +31,16 @@ class Cutter:
     tip_diameter : float, optional
         Of the flat disc at the end of a cone; 0 by default.
     length : float, optional
-        From the tip to the shank; five diameters by default.
+        From the tip to the shank, no less than its cone or rounded end is high; five diameters by default.
     shank : float, optional
         Diameter of the shank; that of the cutter by default.
     holder, reach : float, optional
-        Diameter of the holder, and its distance from the tip; they are given together, or not at all.
+        Diameter of the holder, and its distance from the tip, no less than the length; given together or not.
 
     Raises
     ------
     TypeError, ValueError
-        If a length is not positive or the corner radius does not suit the kind.
+        If there is no such cutter (the message names what is wrong).
 
     Examples
     --------
@@ -69,17 +70,21 @@ class Cutter:
         elif self.angle is not None or self.tip_diameter is not None:
             raise ValueError(f"angle and tip_diameter belong to cones, this is a {self.kind} cutter")
         values["corner_radius"] = self._corner(**values)
-        for name, usual in (("length", 5.0 * self.diameter), ("shank", self.diameter)):
-            given = getattr(self, name)
-            values[name] = usual if given is None else as_positive(name, given)
-        if values["length"] < values["corner_radius"]:
-            raise ValueError(f"length must be at least the corner radius, got {values['length']}")
         if (self.holder is None) != (self.reach is None):
             raise ValueError("holder and reach belong together: its diameter and its distance from the tip")
         if self.holder is not None:
             values |= {name: as_positive(name, getattr(self, name)) for name in ("holder", "reach")}
         for name, value in values.items():
             object.__setattr__(self, name, value)
+        least, reach = float(rise.py_func(self.radius, self.shape)), self.reach or math.inf
+        usual = {"length": max(min(5.0 * self.diameter, reach), least), "shank": self.diameter}
+        for name, value in usual.items():
+            given = getattr(self, name)
+            object.__setattr__(self, name, value if given is None else as_positive(name, given))
+        if self.length < least * (1.0 - ROUNDING):
+            raise ValueError(f"length must be at least {least:.4g}, the height of the end, got {self.length}")
+        if reach < self.length:
+            raise ValueError(f"reach must be at least the length {self.length:g}, got {self.reach}")
 
     def _corner(self, diameter, angle=0.0, tip_diameter=0.0):
         """The corner radius, if it suits the kind."""

@@ -10,6 +10,7 @@ from scipy.interpolate import BSpline
 from nurbs_lab.common.checks import as_kind, as_positive, lengths
 from nurbs_lab.machining._kernels_order import nearest_first
 from nurbs_lab.machining.drop import Contact
+from nurbs_lab.machining.part import SINGLE
 from nurbs_lab.machining.program import TOGETHER_MM, Move, Program
 from nurbs_lab.machining.simulate import warned
 from nurbs_lab.machining.stock import HALF, Material
@@ -203,8 +204,10 @@ class Ways:
 def ways_over(bare, material, floor, top, feed, machine) -> Ways:
     """The `Ways` above part and stock, which are no higher than ``top``."""
     safe = top + SAFE * material.cutter.diameter
-    machine = as_kind("machine", machine, Limits)
-    return Ways(bare, material, floor, safe, as_positive("feed", feed), machine)
+    machine, feed = as_kind("machine", machine, Limits), as_positive("feed", feed)
+    if feed < (least := SINGLE * machine.speed):
+        raise ValueError(f"feed must be at least {least:g} mm/s, a millionth of machine.speed, got {feed:g}")
+    return Ways(bare, material, floor, safe, feed, machine)
 
 
 def _with_tangents(curves, end, next_to_it, sign):

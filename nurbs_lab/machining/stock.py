@@ -22,17 +22,18 @@ RIM = 2.0  # tolerances from the rim of a cutter: what two passes along one wall
 
 
 @np.errstate(over="ignore")  # of trimesh, for blocks beyond 1e75 mm
-def stock_around(part, margin=2.0) -> trimesh.Trimesh:
+def stock_around(part, margin=None) -> trimesh.Trimesh:
     """The block around a part.
 
     Parameters
     ----------
     part : as for `drop_cutter`
     margin : float
-        Distance of the block's sides and top from the part, in mm.
+        Distance of the block's sides and top from the part, in mm; 2 by default, but no more than a third of
+        the part's largest extent.
     """
     low, high = prepare_part(part).bounds.copy()
-    margin = as_not_negative("margin", margin)
+    margin = min(2.0, (high - low).max() / 3.0) if margin is None else as_not_negative("margin", margin)
     low[:2] -= margin
     high += margin
     return trimesh.creation.box(bounds=(low, high))

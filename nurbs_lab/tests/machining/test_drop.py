@@ -110,3 +110,18 @@ def test_turning_triangles_inside_out_or_cutting_them_finer_changes_nothing():
         met = np.isfinite(z)
         for same in (inside_out, finer):
             assert np.abs(nl.drop_cutter(same, cutter, xy)[met] - z[met]).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("name", "sizes"),
+    [
+        ("length", {"kind": "cone", "angle": 30.0, "length": 11.0}),  # the cone is 3 / tan 15 degrees high
+        ("length", {"kind": "ball", "length": 2.9}),
+        ("reach", {"kind": "flat", "length": 20.0, "holder": 30.0, "reach": 19.0}),
+    ],
+)
+def test_cutters_that_cannot_be_are_refused(name, sizes):
+    with pytest.raises(ValueError, match=f"^{name} must be at least"):
+        nl.Cutter(diameter=6.0, **sizes)
+    assert nl.Cutter("cone", 6.0, angle=10.0).length == pytest.approx(3.0 / np.tan(np.radians(5.0)))
+    assert nl.Cutter("flat", 6.0, holder=30.0, reach=19.0).length == 19.0

@@ -123,3 +123,11 @@ def test_slots_hardly_wider_than_the_cutter_are_cleared_or_it_is_said(room, turn
     deep = tips[(np.abs(tips[:, :2]) < (11.0, room)).all(axis=1) & (tips[:, 2] < 4.001 + leave), 0]
     assert (len(deep) > 0) == fits
     assert not fits or np.diff(np.sort(np.append(deep, (-11.0, 11.0)))).max() < 1.0
+
+
+def test_sizes_and_speeds_that_are_too_small_or_large_are_told_early():
+    """The default stock of a part of 1 mm is not one of 5 mm, and no machine moves 1 nm in a second."""
+    small = trimesh.creation.box((1.0, 0.75, 0.5))
+    np.testing.assert_allclose(np.ptp(machining.stock_around(small).bounds, axis=0), (5 / 3, 17 / 12, 5 / 6))
+    with pytest.raises(ValueError, match=r"^feed must be at least 0\.0002 mm/s"):
+        nl.finish(small, nl.Cutter("ball", 0.2), scallop=0.02, tolerance=0.004, feed=1e-6)
