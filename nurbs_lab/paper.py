@@ -5,6 +5,7 @@ Computers, Materials & Continua 66(2), 1799-1811, 2021, doi 10.32604/cmc.2020.01
 """
 
 import json
+import re
 from importlib.resources import files
 from typing import NamedTuple
 
@@ -110,4 +111,6 @@ def _entry(claim):
     number = f" **{claim.number}** (cell {check})." if claim.number else ""
     notebook = f'<a href="{claim.notebook}.ipynb">{claim.notebook[:2]}</a>'
     done = f"See notebook {notebook} and `{claim.module.removeprefix('nurbs_lab/')}`."
-    return f"**{claim.item}** · *{claim.verdict}*\n\n> {claim.quote}\n\n{claim.reading}{number} {done}"
+    # An equation is a paragraph of its own: Sphinx takes words in brackets behind it for its label.
+    quote = "\n>\n> ".join(filter(None, re.split(r"\s*(\$\$.+?\$\$)\s*", claim.quote)))
+    return f"**{claim.item}** · *{claim.verdict}*\n\n> {quote}\n\n{claim.reading}{number} {done}"

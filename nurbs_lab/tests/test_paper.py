@@ -44,3 +44,9 @@ def test_it_is_quoted_read_and_its_links_open(claim):
 def test_its_number_is_printed_by_the_cell_that_it_names(claim):
     (cell,) = (c for c in cells("B-the-paper") if claim.check in c["metadata"].get("tags", []))
     assert claim.number in printed(cell)
+
+
+@pytest.mark.parametrize("section", list(dict.fromkeys(claim.section for claim in CLAIMS)))
+def test_an_equation_is_a_paragraph_of_its_own(section):
+    lines = [line for line in paper.audit(section).splitlines() if "$$" in line]
+    assert all(line.startswith("> $$") and line.endswith("$$") and line.count("$$") == 2 for line in lines)
