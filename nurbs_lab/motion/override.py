@@ -12,7 +12,8 @@ the plan's own limits hold wherever the tool rejoins it. Where it is so fast tow
 it in any case, it does so as slowly as J allows and comes back from the other side. A hold is the goal o = 0.
 
 For an override of 0 to 200 % of a programmed feed, plan with twice that feed and halve the commands: 0.5 is
-then the programmed feed and 1 twice it, or what the limits leave of it. Every limit holds at every command.
+then the programmed feed and 1 twice it, or what the limits leave of it. Every limit holds while a command is
+followed; on the way to it, where the path turns, only acceleration and jerk along the path are bounded.
 A hold resumes with the next command above 0. An abort, or a stop after a fault, is a hold that no command
 follows: the motion ends where the tool comes to rest.
 

@@ -147,7 +147,7 @@ class ToolPath(Value):
         Returns
         -------
         dict
-            'max', 'rms' and 'p99' of all steps but the last, and 'last' of that, all relative.
+            'max', 'rms' and 'p99' of all steps but the last, NaN of none, and 'last' of that, all relative.
         """
         as_choice("metric", metric, ("arc", "chord"))
         values = np.abs(getattr(self, f"{metric}_fluctuation"))

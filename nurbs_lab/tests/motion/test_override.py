@@ -114,6 +114,17 @@ def test_every_stepper_comes_out_of_a_hold(curve, hold):
         assert path.t[-1] == pytest.approx(path.feed.duration, abs=5 * PERIOD), name
 
 
+@pytest.mark.parametrize("before_s", [0.12, 0.02, 0.002])
+def test_an_abort_while_the_plan_brakes_ends_where_the_feed_does(before_s):
+    """The last 10 µm of ten metres are left, and no step leaps over them."""
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (1e4, 0)])
+    plan = nl.plan_feed(line, speed=500.0, acceleration=2000.0, jerk=2e4, period_s=1e-3)
+    path = nl.trace(line, plan, stepper="exact", override=[(plan.duration - before_s, 0.0)])
+    assert path.points[-1, 0] == pytest.approx(path.feed.length, abs=1e-11)
+    assert path.feed.length < plan.length
+    np.testing.assert_allclose(path.moved, path.commanded, atol=1e-11)
+
+
 def test_a_feed_without_limits_follows_at_once():
     path = nl.trace(
         nl.paper.CURVE, SPEED, stepper="exact", period_s=PERIOD, override=[(0.5, 0.0), (1.0, 1.0)]

@@ -17,6 +17,15 @@ def test_the_constant_feed_of_the_paper_takes_1986_periods():
     assert repr(path).startswith("ToolPath(exact, 1986 steps")
 
 
+@pytest.mark.parametrize("stepper", nl.motion.software_steppers())
+def test_a_motion_of_one_period_is_one_step(stepper):
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (1e-6, 0)])
+    plan = nl.plan_feed(line, speed=40.0, acceleration=400.0, jerk=8000.0, period_s=1e-2)
+    path = nl.trace(line, plan, stepper=stepper)
+    np.testing.assert_array_equal(path.points, [(0, 0), (1e-6, 0)])
+    assert path.moved == pytest.approx(path.commanded)
+
+
 @pytest.mark.parametrize("stepper", ["exact", "history-arc", "adams-arc"])
 def test_a_motion_that_ends_at_speed_ends_on_its_schedule(stepper):
     for period_s in (2.5e-4, 1e-3, 1e-2):
