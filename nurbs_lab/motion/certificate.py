@@ -36,8 +36,7 @@ class Certificate(Value):
     ----------
     least_s : float
         No motion within the limits is shorter, in s, rounded up to whole periods, if it passes corners as
-        plans do, with its speed held from a period before each to one after it. With jerks of axes, one that
-        stops at every corner may be: by 0.5 % at a right angle and 1 ms, and by 4 % at 10 ms.
+        plans do: its speed is held for some periods around each, or it nearly stops there.
     gap : float
         By what part of that the plan is longer.
     uses : dict of str to float

@@ -1,4 +1,4 @@
-"""Corners of a scanned path: zones a period long in which the speed is held."""
+"""Corners of a scanned path: zones of some periods in which the speed is held, or the motion nearly stops."""
 
 from dataclasses import replace
 
@@ -10,6 +10,9 @@ ROWS = "curve", "u", "lengths", "speeds", "causes", "tangents", "curvatures", "p
 _NEGLIGIBLE = 1e-7
 #: Samples nearer to each other than this part of the length are one: rounding would be an acceleration.
 _APART = 1e-10
+#: A corner where it takes less time to stop is passed at this part of its speed: the jerk of a plan leaves
+#: a margin of half of it.
+_STOP = 2e-3
 
 
 def sampled(limits, curve, u, lengths, tangents, curvatures):
@@ -30,16 +33,19 @@ def slowed_at_corners(path, limits):
         steps, reach_s = np.abs(path.curvatures[first + 1] - path.curvatures[first]), 2.0 * limits.period_s
         with np.errstate(divide="ignore"):
             most = np.sqrt((0.5 * limits.axis_jerk * limits.period_s / steps).min(axis=1))
+        stops = _stops(path, limits, held)
+        held, factor = np.where(stops, _STOP * held, held), np.where(stops, _STOP, 1.0)
+        reach_s = reach_s * np.append(factor, np.ones(len(first)))
         at = np.append(at, path.lengths[first])
         held, names = np.append(held, most), np.append(names, np.full(len(first), "axis_jerk", dtype=object))
         order = np.argsort(at, kind="stable")
-        at, held, names = at[order], held[order], names[order]
+        at, held, names, reach_s = at[order], held[order], names[order], reach_s[order]
     least = np.interp(at, path.lengths, path.speeds)
     tells = held * _NEGLIGIBLE < least
     if not tells.any():
         return path
     at, held, names, least = at[tells], held[tells], names[tells], least[tells]
-    reach = np.minimum(held, least) * reach_s
+    reach = np.minimum(held, least) * np.broadcast_to(reach_s, tells.shape)[tells]
     parts = np.minimum(least / held, 1.0)
     zones = np.column_stack([np.maximum(at - reach, 0.0), np.minimum(at + reach, path.length), held, parts])
     if not limits.soft:
@@ -54,6 +60,19 @@ def slowed_at_corners(path, limits):
     speeds, causes = path.speeds.copy(), path.causes.copy()
     speeds[index[lower]], causes[index[lower]] = speed[lower], name[lower]
     return replace(path, speeds=speeds, causes=causes, zones=zones)
+
+
+def _stops(path, limits, held):
+    """At which corners it takes less time to stop, or nearly so, than to hold their speed for four periods.
+
+    A motion out of rest with the jerk J has gone ``J t**3 / 6`` when it has its acceleration, or is half way
+    to the next corner. One that stops is slower if one that first holds the corner's speed is there sooner.
+    """
+    at, period, jerk = path.kinks[:, 0], limits.period_s, limits.axis_jerk.min()
+    ways = np.diff(np.concatenate([[0.0], at, [path.length]])).clip(0.0)
+    time = np.minimum(limits.acceleration / jerk, np.cbrt(3.0 * np.minimum(ways[1:], ways[:-1]) / jerk))
+    left = np.maximum(time - 2.0 * period, 0.0)
+    return 6.0 * held * time < jerk * (time**3 - left**3)
 
 
 def _with_samples(path, limits, at, reach):

@@ -184,3 +184,19 @@ def test_no_axis_takes_more_jerk_within_a_segment_than_at_its_ends(seed):
     tangent, bend, rate = geometry(curve, u)
     v, a, j = (one(t)[:, None] for one in (feed.speed, feed.acceleration, feed.jerk))
     assert np.abs(j * tangent + 3.0 * v * a * bend + v**3 * rate).max() <= 3e4 * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("degrees", [90.0, 30.0, 6.0, 1.0])
+@pytest.mark.parametrize("period_s", [1e-3, 4e-3])
+def test_a_plan_through_a_corner_is_no_slower_than_a_stop_there(degrees, period_s):
+    """Third differences of the points, stops included, keep the jerk of axes."""
+    limits = {"speed": 80.0, "acceleration": 1000.0, "axis_jerk": 1.5e4, "period_s": period_s}
+    turn = np.radians(degrees)
+    corners = np.array([(0, 0), (5, 0), (5 + 5 * np.cos(turn), 5 * np.sin(turn))])
+    curve = nl.NurbsCurve(1, [0, 0, 1, 2, 2], corners)
+    lines = [nl.NurbsCurve(1, [0, 0, 1, 1], corners[k : k + 2]) for k in (0, 1)]
+    feed, stops = nl.plan_feed(curve, **limits), nl.plan_feed(lines, **limits)
+    assert feed.duration <= sum(one.duration for one in stops) + 1e-9
+    points = nl.trace(curve, feed, stepper="exact").points
+    points = np.vstack([[points[0]] * 3, points, [points[-1]] * 3])
+    assert np.abs(np.diff(points, 3, axis=0)).max() <= limits["axis_jerk"] * period_s**3
