@@ -70,6 +70,10 @@ chords (1, of the tests), apices (1, a cone), what a surface took, tried togethe
 precision), the second guess of cones (13 of 48 meshes with conical tips); in `space` corners of a single face
 (2). Without a second look at a third of the sharp angle a bottle is 124 patches.
 
+Without turned edges of needles 68 CAD meshes at two tolerances have 7 % more faces and take 1.18 x; where
+edges move by up to a tenth of the tolerance or a whole one, not `_SLIVER`, +2 and +2, 1.02 and 0.94 x. Turned
+on meshes too of which little was halved, of 40 organs one misses, and they are no better on the average.
+
 Of refinement, on 42 parts of which 39 fit (12 folds left): in the order of attempts without folds first 31
 fit (100 folds), with any fold the same as one 39 (55 folds), without the distance 38. With a face that folds
 raised like one just above the aim, not like one at four tolerances, a hull of 11 misses. The rough

@@ -16,7 +16,7 @@ from nurbs_lab.mesh.core import (
     vertex_normals,
 )  # fmt: skip
 from nurbs_lab.mesh.distance import triangle_tree
-from nurbs_lab.mesh.solid import _kernels_ring
+from nurbs_lab.mesh.solid import _kernels_flips, _kernels_ring
 
 _MOST_VOLUME = 1e-3  # change by slivers that are taken off
 _FLAT_EDGE = 1e-12  # 1 - cosine of the angle across an edge within a plane
@@ -267,6 +267,13 @@ def refine(vertices, triangles, longest, most):
             triangles[split], edge[split] = np.column_stack([a, m, c]), np.column_stack([new, new, to_a])
             triangles = np.concatenate([triangles, np.column_stack([m, b, c])])
             edge = np.concatenate([edge, np.column_stack([new, to_c, new])])
+
+
+def without_needles(vertices, triangles, sharp_angle, limit):
+    """Triangles made fat: edges that are not sharp are turned, none farther away than ``limit``."""
+    triangles, most = triangles.copy(), np.cos(np.radians(sharp_angle))
+    _kernels_flips.flip(vertices, triangles, opposite_of(triangles), limit, most)
+    return triangles
 
 
 def corner_angles(vertices, triangles):

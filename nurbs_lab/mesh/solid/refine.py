@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from nurbs_lab.mesh.core import face_normals, vertex_normals
 from nurbs_lab.mesh.distance import triangle_samples
-from nurbs_lab.mesh.solid.features import refine, surfels, without_slivers
+from nurbs_lab.mesh.solid.features import refine, surfels, without_needles, without_slivers
 from nurbs_lab.mesh.solid.fit import Target, fit
 from nurbs_lab.mesh.solid.grids import even_grid, places
 from nurbs_lab.mesh.solid.layout import lay_out
@@ -20,7 +20,7 @@ SAFETY = 0.98  # of the tolerance is aimed at
 MOST_FACES = 3000  # of a shell, if it has no more triangles; and of all attempts after the first, together
 RAISE = 1.5  # times its ratio to the aim: the factor of the weight of a face that misses
 COST = 0.03  # largest quadric error of the first layout at a tolerance of 1 / 200 of the size, as a length
-_SLIVER = 0.5  # of the tolerance: sharp edges nearer than that to one another become one
+_SLIVER = 0.5  # of the tolerance: sharp edges nearer to one another become one, others move less when turned
 _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
 _COARSE = 3.75  # tolerances: mean side of the triangles of a mesh, above which it is coarse
 _LONGEST = 0.05  # edge of the divided mesh, of its size
@@ -67,6 +67,8 @@ def build(part, tolerance, sharp_angle, most_faces=None) -> Fitted:
     target = Target(vertices, triangles, part.volume / size**3)
     clean = without_slivers(vertices, triangles, sharp_angle, _SLIVER * within)
     fine, parts = refine(*clean, _LONGEST, _FEWEST)
+    if len(parts) > 2 * len(clean[1]):  # most come from long triangles that were halved
+        parts = without_needles(fine, parts, sharp_angle, _SLIVER * within)
     coarse = bool(np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within)
     mesh = surfels(fine, parts, sharp_angle, _BESIDE * within, rough=not coarse)
     samples = np.concatenate([vertices, triangle_samples(vertices, triangles, 0.02)])

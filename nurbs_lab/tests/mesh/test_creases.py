@@ -5,11 +5,12 @@ from itertools import product
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial import ConvexHull, Delaunay
 
 from nurbs_lab.mesh import reconstruct, samples
 from nurbs_lab.mesh.core import opposite_of
 from nurbs_lab.mesh.solid import quads
-from nurbs_lab.mesh.solid.features import surfels
+from nurbs_lab.mesh.solid.features import surfels, without_needles
 from nurbs_lab.tests.mesh import shapes
 
 
@@ -41,6 +42,24 @@ def test_slivers_make_no_sharp_edges():
     assert made.within_tolerance
     assert made.seam_angle < 1e-4
     assert len(made.surfaces) < 60
+
+
+def test_needles_in_a_plane_become_the_triangles_of_delaunay():
+    random = np.random.default_rng(4)
+    turns = 2 * np.pi * np.arange(20) / 20
+    flat = np.concatenate(
+        [np.column_stack([np.cos(turns), np.sin(turns)]), random.uniform(-0.6, 0.6, (80, 2))]
+    )
+    apex, rim = len(flat), ConvexHull(flat).vertices
+    needles = Delaunay(flat * [30.0, 1.0]).simplices
+    ways = np.linalg.det(np.diff(flat[needles], axis=1))
+    needles = np.where(ways[:, None] > 0.0, needles, needles[:, ::-1])
+    sides = np.column_stack([np.roll(rim, -1), rim, np.full(len(rim), apex)])
+    vertices = np.vstack([np.column_stack([flat, np.zeros(apex)]), [0.0, 0.0, -1.0]])
+    made = without_needles(vertices, np.concatenate([needles, sides]), 30.0, 1e-9)
+    assert (opposite_of(made) >= 0).all()
+    wanted = np.concatenate([Delaunay(flat).simplices, sides])
+    assert {*map(frozenset, made.tolist())} == {*map(frozenset, wanted.tolist())}
 
 
 def test_short_jagged_creases_of_a_smooth_part_are_noise():
