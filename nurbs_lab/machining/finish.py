@@ -110,7 +110,7 @@ def finish(
     begun = stock if after is None else replace(material.field, z=material.field.z.copy())
     fitting = Fitting(part, cutter, tolerance)
     bare = fitting.touch(0.25)  # a margin, as links are checked at points only
-    ways = ways_over(bare, material, floor, max(high, material.top), feed, machine)
+    ways = ways_over(bare, material, floor, max(high, material.field.z.max()), feed, machine)
 
     plan = layout(fitting.touch(0.5), cutter, CUSP * scallop, floor)
     paths, said = covering(fitting, plan, scallop, after, material)
@@ -132,17 +132,23 @@ def covering(fitting, plan, scallop, after, material):
     field = with_valleys(plan.field, plan.touch, samples)
     plan = replace(plan, field=field, slope=field.slope)
     places = np.column_stack([field.places(), field.z.ravel()])
-    samples, found, tips, gaps = closest(fitting, samples, field.floor, places)
+    samples = samples[visible(part, samples, field.floor, fitting.tolerance)]
+    touch = fitting.touch(0.0)
+    found, tips, gaps = at_rest(touch, cutter, samples, field.floor, fitting.tolerance, places)
+    near = gaps < cutter.diameter  # not so in deep holes
+    samples, found, tips, gaps = samples[near], found[near], tips[near], gaps[near]
     places = np.vstack([places, tips])
     points, plan = samples.points, plan.with_steps(tips[found], samples.normals[found])
     done = [] if after is None else [(one.cutter, program_tips(one)) for one in after.chain]
-    far = left_by(done, points, np.full(len(points), 2.0 * scallop + gaps.max(initial=0.0)))
-    paths, before = fit_paths(fitting, plan.paths(tips[far - gaps > scallop])), np.inf
-    above, fresh = np.where(found, material.above(points), 0.0), paths
+    far, above = np.full(len(points), 2.0 * scallop + gaps.max(initial=0.0)), material.above(points)
+    for one in done:
+        far, _ = left_over(*one, points, far)
+    paths, above[~found], before = fit_paths(fitting, plan.paths(tips[far - gaps > scallop])), 0.0, np.inf
+    fresh = paths
     while True:
         done = [*done, (cutter, locations(fresh))]
-        far = left_by(done[-1:], points, far)
-        some, over, deep = standing(fitting.touch(0.0), cutter, points, above, scallop, done, places)
+        far, _ = left_over(*done[-1], points, far)
+        some, over, deep = standing(touch, cutter, points, above, scallop, done, places)
         left, rest, done = far - gaps, np.delete(np.arange(len(points)), some), []
         left[some], tips[some], above[rest] = deep, over, 0.0
         if not 0 < np.count_nonzero(poor := left > scallop) < before:
@@ -157,22 +163,6 @@ def covering(fitting, plan, scallop, after, material):
         f"{points[left.argmax()].round(3)}; a smaller cutter leaves less"
     )
     return paths, (said,)
-
-
-def closest(fitting, samples, floor, places):
-    """Samples seen from above, and what `at_rest` says of them, without those in holes, a diameter away."""
-    samples = samples[visible(fitting.part, samples, floor, fitting.tolerance)]
-    touch, cutter = fitting.touch(0.0), fitting.cutter
-    found, tips, gaps = at_rest(touch, cutter, samples, floor, fitting.tolerance, places)
-    near = gaps < cutter.diameter
-    return samples[near], found[near], tips[near], gaps[near]
-
-
-def left_by(done, points, far):
-    """Distances ``far`` of points lowered to those from cutters at their tips."""
-    for one in done:
-        far, _ = left_over(*one, points, far)
-    return far
 
 
 def locations(paths):

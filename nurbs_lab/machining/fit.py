@@ -29,10 +29,6 @@ class Path:
     closed: bool = False
     curve: NurbsCurve | None = None
 
-    def fitted(self, tolerance):
-        """This path with a spline within the tolerance of its points."""
-        return replace(self, curve=spline_along(self.points, tolerance))
-
     def reversed(self):
         """The same spline in the opposite direction."""
         return Path(self.points[::-1], self.level, self.closed, self.curve.reverse())
@@ -140,7 +136,8 @@ def fit_paths(fitting, paths):
     if not paths:
         return []
     tolerance = fitting.tolerance
-    paths = over_slices(lambda path: path.fitted(FIT * tolerance), paths, "fitting")
+    curves = over_slices(lambda path: spline_along(path.points, FIT * tolerance), paths, "fitting")
+    paths = [replace(path, curve=curve) for path, curve in zip(paths, curves, strict=True)]
     bad = fitting.wrong(paths, [np.ones(len(path.points) - 1, bool) for path in paths])
 
     def long(some):

@@ -37,10 +37,8 @@ def step_over(cutter, scallop):
         ridge = 2.0 * scallop / max(slope, 1.0)
         smooth = scallop < r * (1.0 - 1.0 / np.sqrt(1.0 + slope * slope))
         return max(ridge, 2.0 * np.sqrt(scallop * (2.0 * r - scallop))) if smooth else ridge
-    if scallop <= (1.0 - np.sqrt(0.5)) * r or (cutter.flat_radius == 0.0 and scallop < r):
-        return 2.0 * np.sqrt(scallop * (2.0 * r - scallop))
-    if cutter.flat_radius == 0.0:
-        return 2.0 * r
+    if cutter.flat_radius == 0.0 or scallop <= (1.0 - np.sqrt(0.5)) * r:
+        return 2.0 * np.sqrt(min(scallop, r) * (2.0 * r - min(scallop, r)))
     return min(2.0 * scallop + (2.0 * np.sqrt(2.0) - 2.0) * r, max(LEVEL_STEP * cutter.flat_radius, r))
 
 

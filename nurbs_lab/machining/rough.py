@@ -102,7 +102,7 @@ def rough(
     part.require_closed()
     require_inside(part, stock, cutter)
     clearing = clearing_of(part, stock, cutter, leave, step_down)
-    low, top, material = clearing.tips.floor, clearing.material.top, material_of(stock, cutter)
+    low, top, material = clearing.tips.floor, clearing.material.field.z.max(), material_of(stock, cutter)
     ways = ways_over(clearing.fitting.touch(0.0), material, low, top, feed, machine)
     paths, levels = [], clearing.levels()
     for level in bar(levels, len(levels), "clearing", " levels"):
@@ -185,7 +185,7 @@ class Clearing:
 
     def levels(self):
         """Heights from the top down, no farther apart than the step less the slack, on level faces too."""
-        most, stops = max(self.step_down - self.slack, 0.5 * self.step_down), [self.material.top]
+        most, stops = max(self.step_down - self.slack, 0.5 * self.step_down), [self.material.field.z.max()]
         faces = level_faces(self.fitting.part, self.fitting.cutter) + self.fitting.leave
         for height in np.sort(np.append(self._level_faces(), faces))[::-1]:
             if self.tips.floor + self.slack < height < stops[-1] - self.slack:

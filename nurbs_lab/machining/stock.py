@@ -139,11 +139,6 @@ class Material:
         size = lengths(np.diff(curve.control_points, axis=0)).sum()
         return curve(np.linspace(*curve.domain, int(size / (TIP_SPACING * self.field.step)) + 2))
 
-    @property
-    def top(self) -> float:
-        """Of the whole, in mm."""
-        return float(self.field.z.max())
-
     def above(self, points) -> np.ndarray:
         """Height of the material over points ``(n, 3)``, infinite where there is none."""
         field, xy = self.field, points[:, :2]
@@ -153,8 +148,9 @@ class Material:
 
     def cut(self, curve):
         """Remove what the cutter removes along a curve."""
-        none, tips, grow = np.empty((0, 2)), self.along(curve), HALF * self.field.step
-        kernels.cut(self._grid, tips, self.cutter.shape, grow, none, self.field.z, 0.0, 0.0, np.zeros(3))
+        none, tips, grow, field = np.empty((0, 2)), self.along(curve), HALF * self.field.step, self.field
+        grid = field.z, field.origin, field.step
+        kernels.cut(grid, tips, self.cutter.shape, grow, none, field.z, 0.0, 0.0, np.zeros(3))
 
     def rest(self, xy, wider=None) -> np.ndarray:
         """Height of the tip from which upwards the cutter certainly touches no material, at ``xy (n, 2)``.
@@ -163,11 +159,9 @@ class Material:
         of its side by default, since points of a path are half a side apart. With less than minus the former
         that material does not count which the same cutter would leave beside it in the same place.
         """
-        out, usual = np.empty(len(xy)), (HALF + 0.5 * TIP_SPACING) * self.field.step
-        wider = usual if wider is None else wider
-        kernels.rest(self._grid, np.ascontiguousarray(xy), self.cutter.shape, wider, out)
+        out, field = np.empty(len(xy)), self.field
+        wider = (HALF + 0.5 * TIP_SPACING) * field.step if wider is None else wider
+        kernels.rest(
+            (field.z, field.origin, field.step), np.ascontiguousarray(xy), self.cutter.shape, wider, out
+        )
         return out
-
-    @property
-    def _grid(self):
-        return self.field.z, self.field.origin, self.field.step
