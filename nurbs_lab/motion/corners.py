@@ -10,9 +10,9 @@ ROWS = "curve", "u", "lengths", "speeds", "causes", "tangents", "curvatures", "p
 _NEGLIGIBLE = 1e-7
 #: Samples nearer to each other than this part of the length are one: rounding would be an acceleration.
 _APART = 1e-10
-#: A corner where it takes less time to stop is passed at this part of its speed: the jerk of a plan leaves
-#: a margin of half of it.
-_STOP = 2e-3
+#: A corner where it takes less time to stop is passed at this part of its speed. Beside it the motion takes
+#: all of its jerk: periods that hold the corner see a mean of the directions before and behind it.
+_STOP = 0.05
 
 
 def sampled(limits, curve, u, lengths, tangents, curvatures):
