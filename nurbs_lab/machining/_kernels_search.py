@@ -4,9 +4,10 @@ import numpy as np
 
 from nurbs_lab.common.box_tree import LEAF
 from nurbs_lab.common.kernels import ZERO, compiled, kernel
-from nurbs_lab.machining._kernels_contact import ROUNDING, inside, over_triangle
+from nurbs_lab.machining._kernels_contact import ROUNDING, inside, may_stop, over_triangle
 
-PUSHED = 2e-6  # fraction of the radius: how precisely a cutter is pushed against the part
+PUSHED = 2e-5  # fraction of the radius: how precisely a cutter is pushed against the part
+STEEP = 4.0  # heights farther from the level than by this slope are not told apart
 
 
 @kernel
@@ -59,6 +60,41 @@ def drop(xy, least, body, shape, out):
 
 
 @compiled
+def around(x, y, level, body, shape, found):
+    """Fill ``found`` with the triangles that may stop a tip at (x, y) above ``level``.
+
+    Returns how many there are.
+    """
+    leaves, stack = (len(body[3]) + 1) // 2, np.empty(128, np.int64)
+    stack[0], depth, count = 0, 1, 0
+    while depth:
+        depth -= 1
+        node = stack[depth]
+        if not holds(body, node, x, y, level, shape):
+            continue
+        if node < leaves - 1:
+            stack[depth], stack[depth + 1] = 2 * node + 1, 2 * node + 2
+            depth += 2
+            continue
+        start = (node - leaves + 1) * LEAF
+        for f in range(start, min(start + LEAF, len(body[0]))):
+            if may_stop(body, f, x, y, level, shape):
+                found[count] = f
+                count += 1
+    return count
+
+
+@kernel
+def over_some(near, x, y, body, shape, best, most):
+    """Height of the tip at (x, y) over these triangles, not below ``best`` and not above ``most``."""
+    for f in near:
+        best = over_triangle(body, f, x, y, shape, best)
+        if best >= most:
+            return most
+    return best
+
+
+@compiled
 def collides(tips, starts, body, cutter, farther, out):
     """Whether a cutter cuts into the part at any tip of each row, or another one does not.
 
@@ -85,27 +121,34 @@ def push(free, stuck, level, body, shape, out):
     """How far a cutter moves sideways at height ``level[i]``, from ``free[i]`` towards ``stuck[i]``.
 
     Returned is the fraction of the distance at which the part stops it, to ``PUSHED`` on the free side, by
-    bisection; NaN if nothing stops it or if it collides at the start already.
+    the rule of false position (Illinois) on the height of the tip; NaN if nothing stops it or if it collides
+    at the start already.
     """
-    waiting, held = np.empty(128, np.int64), ZERO
+    found, (a, r, c, w) = np.empty(len(body[0]), np.int64), shape
     for i in range(len(free)):
         x, y, z, out[i] = free[i, 0], free[i, 1], level[i], np.nan
         dx, dy = stuck[i, 0] - x, stuck[i, 1] - y
-        low, way = 0.0, 1.0
-        least = PUSHED * shape[3] / max(np.sqrt(dx * dx + dy * dy), PUSHED * shape[3])
-        height, held = highest(x, y, z, z, held, body, shape, waiting)
-        if height > z:
+        size = np.sqrt(dx * dx + dy * dy)
+        fine, least, most = PUSHED * w / max(size, PUSHED * w), z - STEEP * size, z + STEEP * size
+        wider = a + size / 2, r, c, w + size / 2
+        near = found[: around(x + dx / 2, y + dy / 2, z, body, wider, found)]
+        low, way, side = 0.0, 1.0, 0
+        above = over_some(near, x + dx, y + dy, body, shape, z, most)
+        below = over_some(near, x, y, body, shape, least, most)
+        if below > z or above <= z:
             continue
-        height, held = highest(x + dx, y + dy, z, z, held, body, shape, waiting)
-        if height <= z:
-            continue
-        while way - low > least:
-            middle = 0.5 * (low + way)
-            height, held = highest(x + middle * dx, y + middle * dy, z, z, held, body, shape, waiting)
+        while way - low > fine:
+            middle = low + (way - low) * (z - below) / (above - below)
+            middle = min(max(middle, low + 0.5 * fine), way - 0.5 * fine)
+            height = over_some(near, x + middle * dx, y + middle * dy, body, shape, least, most)
             if height > z:
-                way = middle
+                way, above = middle, height
+                below = z - (z - below) * (0.5 if side > 0 else 1.0)
+                side = 1
             else:
-                low = middle
+                low, below = middle, height
+                above = z + (above - z) * (0.5 if side < 0 else 1.0)
+                side = -1
         out[i] = low
 
 

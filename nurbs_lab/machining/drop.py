@@ -99,7 +99,7 @@ class Contact:
     def push(self, free, stuck, level) -> np.ndarray:
         """Fraction of the distance from ``free (n, 2)`` to ``stuck`` that the tip moves at ``level (n,)``.
 
-        It is found to 2e-6 of the radius on the free side; NaN if the tip cannot start or nothing stops it.
+        It is found to 2e-5 of the radius on the free side; NaN if the tip cannot start or nothing stops it.
         """
         return self._over_blocks(kernels.push, "pushing", free, stuck, level - self.allowance)
 
