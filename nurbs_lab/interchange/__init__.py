@@ -226,5 +226,5 @@ def _format_of(path, modules):
     suffix = path.suffix.lower()
     if suffix not in modules:
         said = f"unknown suffix {suffix!r} of {path.name!r}; known: {', '.join(modules)}"
-        raise ValueError(f"path: {said}" + "; name a program .nc")
+        raise ValueError(f"path: {said}; name a program .nc")
     return path, importlib.import_module(f"nurbs_lab.interchange.{modules[suffix]}")

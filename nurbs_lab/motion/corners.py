@@ -25,17 +25,16 @@ def sampled(limits, curve, u, lengths, tangents, curvatures):
 
 
 def slowed_at_corners(path, limits):
-    """The path with its speeds lowered from a period before each corner to one after it."""
-    at, reach_s = path.kinks[:, 0], limits.period_s
+    """The path with its speeds lowered from a period, or two, before each corner to as long after it."""
+    at, reach_s = path.kinks[:, 0], np.full(len(path.kinks), limits.period_s)
     held, names = limits.corner_speeds(at, path.kinks[:, 1:])
     if limits.axis_jerk is not None:  # third differences hold three periods, and see curvatures that jump
         first = np.flatnonzero(np.diff(path.lengths) == 0.0)
-        steps, reach_s = np.abs(path.curvatures[first + 1] - path.curvatures[first]), 2.0 * limits.period_s
+        steps = np.abs(path.curvatures[first + 1] - path.curvatures[first])
         with np.errstate(divide="ignore"):
             most = np.sqrt((0.5 * limits.axis_jerk * limits.period_s / steps).min(axis=1))
-        stops = _stops(path, limits, held)
-        held, factor = np.where(stops, _STOP * held, held), np.where(stops, _STOP, 1.0)
-        reach_s = reach_s * np.append(factor, np.ones(len(first)))
+        part = np.where(_stops(path, limits, held), _STOP, 1.0)
+        held, reach_s = part * held, 2.0 * limits.period_s * np.append(part, np.ones(len(first)))
         at = np.append(at, path.lengths[first])
         held, names = np.append(held, most), np.append(names, np.full(len(first), "axis_jerk", dtype=object))
         order = np.argsort(at, kind="stable")
@@ -44,8 +43,8 @@ def slowed_at_corners(path, limits):
     tells = held * _NEGLIGIBLE < least
     if not tells.any():
         return path
-    at, held, names, least = at[tells], held[tells], names[tells], least[tells]
-    reach = np.minimum(held, least) * np.broadcast_to(reach_s, tells.shape)[tells]
+    at, held, names, least, reach_s = (one[tells] for one in (at, held, names, least, reach_s))
+    reach = np.minimum(held, least) * reach_s
     parts = np.minimum(least / held, 1.0)
     zones = np.column_stack([np.maximum(at - reach, 0.0), np.minimum(at + reach, path.length), held, parts])
     if not limits.soft:

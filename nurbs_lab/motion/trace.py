@@ -111,10 +111,10 @@ def job_of(curve, feed, period_s, override=None):
             "s; lower feed or period_s, or join the feeds of a program"
         )
     if override is not None:
-        left, feed = feed.length, apply_override(feed, override)
-        left -= feed.length
-        if left > 1e-14 * track.length:  # aborted
-            track = track.until(track.length - left)
+        planned, feed = feed, apply_override(feed, override)
+        left_over = planned.length - feed.length
+        if left_over > 1e-14 * track.length:  # aborted
+            track = track.until(track.length - left_over)
     return Job(track, feed, feed.period_s)
 
 

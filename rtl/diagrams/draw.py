@@ -40,11 +40,11 @@ def save(figure, name, title):
 def interpolator():
     figure, axes = sheet(14.6, 6.2)
     box(axes, 1.6, 0.3, 9.9, 5.6, "", paper=False)
-    axes.text(1.8, 5.6, "nurbs_interpolator", fontsize=9, va="center", color=INK)
+    note(axes, 1.8, 5.6, "nurbs_interpolator")
     box(axes, 2.0, 3.9, 1.9, 1.2, "registers", paper=False)
     box(axes, 2.0, 1.0, 1.9, 1.2, "load_guard", paper=False)
     box(axes, 4.9, 0.6, 6.2, 4.7, "", paper=False)
-    axes.text(5.1, 5.05, "stepper", fontsize=9, va="center", color=INK)
+    note(axes, 5.1, 5.05, "stepper")
     box(axes, 5.1, 2.4, 0.8, 1.0, "vt")
     box(axes, 6.5, 3.6, 1.6, 0.9, "runge_kutta\nwith ui_out")
     box(axes, 6.5, 1.3, 1.6, 0.9, "adams\nwith ui_out")
@@ -144,12 +144,12 @@ def note(axes, x, y, text):
 def row():
     figure, axes = sheet(14.8, 3.6)
     box(axes, 1.2, 0.3, 11.1, 3.0, "", paper=False)
-    axes.text(1.4, 3.0, "slope: one row of Figs. 5 and 6", fontsize=9, va="center", color=INK)
+    note(axes, 1.4, 3.0, "slope: one row of Figs. 5 and 6")
     box(axes, 1.6, 1.1, 1.2, 1.2, "u + shift\ncuk")
     box(axes, 3.4, 1.1, 1.6, 1.2, "cu\nC(u)")
     box(axes, 5.7, 1.1, 1.3, 1.2, "chord\nA - B")
     box(axes, 7.6, 0.6, 4.4, 2.2, "")
-    axes.text(7.8, 2.55, "kout", fontsize=9, va="center", color=INK)
+    note(axes, 7.8, 2.55, "kout")
     box(axes, 7.8, 1.2, 1.1, 0.9, "multiply", paper=False)
     box(axes, 9.2, 1.2, 1.2, 0.9, "square_\nroot", paper=False)
     box(axes, 10.7, 1.2, 1.1, 0.9, "divide", paper=False)
@@ -166,7 +166,7 @@ def row():
 
 def arrangements():
     figure, axes = sheet(13.5, 5.6)
-    for column, (name, units, rows, note) in enumerate(
+    for column, (name, units, rows, said) in enumerate(
         [
             ("serial", 1, ["2 points\n4 times"], "8 points, one after the other: 1 module cu"),
             ("parallel", 2, ["2 points"] * 4, "8 points at once: 8 modules cu"),
@@ -186,7 +186,7 @@ def arrangements():
             box(axes, left, 1.6, 1.9, 0.85, "3 older K,\nC before", paper=False)
             arrow(axes, (left + 1.9, 2.02), (left + 2.7, 2.7))
         box(axes, left + 2.7, 2.4, 1.2, 0.95, "ui_out")
-        axes.text(left + 2.0, 0.5, note, ha="center", fontsize=8.5, color=INK)
+        axes.text(left + 2.0, 0.5, said, ha="center", fontsize=8.5, color=INK)
     save(figure, "arrangements", "The Adams step: serial, parallel and cached")
 
 
