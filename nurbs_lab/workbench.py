@@ -109,12 +109,13 @@ class Part:
         return "\n".join(lines)
 
 
-def read_part(path):
+def read_part(path, unit=None):
     """A mesh, a curve, the points of a cloud, or a program, by the suffix of the file, as `read` has it.
 
-    Of CAD files it is the first curve; a table of points becomes the curve through them.
+    Of CAD files it is the first curve; a table of points becomes the curve through them. ``unit`` is that of
+    the numbers of a mesh file.
     """
-    found, path = interchange.read(path), Path(path)
+    found, path = interchange.read(path, unit), Path(path)
     if isinstance(found, list):
         found = [item for item in found if isinstance(item, NurbsCurve)]
         if not found:
@@ -228,6 +229,8 @@ class Workbench:
         row = {"layout": {"width": "100%"}, "style": {"description_width": "8em", "button_width": "auto"}}
         self.choice = ipywidgets.ToggleButtons(options=list(PARTS), value=part, description="part", **row)
         self.upload = ipywidgets.FileUpload(accept=SUFFIXES.replace(" ", ","), description="your file")
+        units = {"as stated, or mm": None, **{unit: unit for unit in ("mm", "cm", "m", "inch")}}
+        self.unit = ipywidgets.ToggleButtons(options=units, description="its unit", **row)
         self.stepper = ipywidgets.SelectionSlider(
             options=steppers, value="chord-corrected", description="stepper", **late
         )
@@ -247,7 +250,7 @@ class Workbench:
         self.status = Status()
         columns = "repeat(auto-fill, minmax(380px, 1fr))"
         self.gallery = ipywidgets.GridBox(layout={"grid_template_columns": columns})
-        inputs = [self.choice, self.upload, self.stepper, self.tolerance, self.speed]
+        inputs = [self.choice, self.upload, self.unit, self.stepper, self.tolerance, self.speed]
         inputs += [self.scallop, self.cutter]
         panel = ipywidgets.Box([*inputs, self.dialect, self.button], layout={"flex_flow": "wrap"})
         self.widget = ipywidgets.VBox([panel, self.status, self.gallery])
@@ -291,7 +294,7 @@ class Workbench:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / Path(file["name"]).name
             path.write_bytes(bytes(file["content"]))
-            return read_part(path)
+            return read_part(path, self.unit.value)
 
     def _export(self):
         options = {"dialect": self.dialect.value, "tolerance": 0.01, "units": "mm", "axes": "XYZ"}

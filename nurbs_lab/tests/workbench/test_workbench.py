@@ -133,6 +133,16 @@ def uploaded(name, content):
     return ({"name": name, "content": content, "type": "", "size": len(content), "last_modified": now},)
 
 
+def test_an_uploaded_mesh_has_the_unit_that_is_chosen(tmp_path, ball):
+    bench = Workbench("the paper's curve", tmp_path)
+    bench.upload.value = uploaded("ball.stl", ball.export(file_type="stl"))
+    before = bench.part.reconstruction.volume
+    bench.unit.value = "inch"
+    assert bench.part.reconstruction.volume == pytest.approx(before * 25.4**3, rel=0.01)
+    bench.upload.value = uploaded("mine.csv", b"0,0\n10,5\n20,-5\n30,0\n")
+    assert "no mesh file" in bench.status.value
+
+
 def test_an_uploaded_file_is_worked_and_a_bad_one_is_refused_kindly(tmp_path):
     bench = Workbench("the paper's curve", tmp_path)
     bench.upload.value = uploaded("broken.json", b"{}")
