@@ -267,8 +267,7 @@ def chord_error(*, ax=None):
     Parameters
     ----------
     """
-    radius, step = 1.0, 1.1
-    half = 0.5 * step
+    radius, half = 1.0, 0.55
     foot = np.sqrt(radius**2 - half**2)
     reach = np.arcsin(half / radius) + 0.35
     angle = np.linspace(-reach, reach, 200)
@@ -286,6 +285,7 @@ def chord_error(*, ax=None):
         ):
             ax.annotate(name, at, side, textcoords="offset points")
         equal_mm(ax)
+        ax.axis("off")  # not to scale
         ax.legend(loc="lower left")
     return figure
 

@@ -87,7 +87,7 @@ class Explorer(ipywidgets.VBox):
         else:
             places = _positions(control)
             said = f"{name} from {_shown(places[0])} to {_shown(places[-1])}"
-            still = animation(self._frame, places, alt=said, frame_s=FRAME_S, colours=32).data
+            still = animation(self._frame, places, alt=said, frame_s=FRAME_S).data
         data, told = bundle(still, f"Explorer: {said}", f"{said}: {self.words}")
         return super()._repr_mimebundle_(**options) | data, told
 
