@@ -73,7 +73,7 @@ def scenes():
     yield f"1 · a scan: {len(scan.faces):,} triangles", turning(lambda: plotting.mesh(scan, edges=True))
     yield f"2 · {len(layers)} layers of ordered contours", turning(lambda: plotting.layers(layers))
     yield (
-        f"3 · one closed solid: {len(solid.surfaces)} NURBS faces",
+        "3 · one closed solid of NURBS faces",
         turning(lambda: plotting.surface(solid, isocurves=True)),
     )
     moving = plotting.milling(program, stock, alt="a cutter at work", frames=14, resolution=0.5)
