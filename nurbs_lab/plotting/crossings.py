@@ -42,14 +42,9 @@ def repeating_node(graph, contour, *, at=0, stage=None, title=None):
         Which segment of the contour; the next one is drawn with it.
     """
     stage = given_or_new(stage)
-    faces = graph.triangles[contour.triangles[[at, (at + 1) % len(contour.triangles)]]]
-    triangles = graph.vertices[faces]
+    triangles = graph.vertices[graph.triangles[contour.triangles[[at, (at + 1) % len(contour.triangles)]]]]
     first, second = _segment(contour, at), _segment(contour, at + 1)
-    own = [
-        corners[~np.isin(face, other)]
-        for corners, face, other in zip(triangles, faces, faces[::-1], strict=True)
-    ]
-    name_points(stage, (triangles.mean(axis=1) + np.concatenate(own)) / 2, ["first", "second"], BLUE)
+    name_points(stage, triangles.mean(axis=1), ["first", "second"], BLUE)
     name_points(stage, _raised(first[1:], triangles[0], 0.05), ["  repeating node"], INK)
     return _framed(stage, title, triangles, contour, np.vstack([first, second[1:]]))
 
