@@ -109,8 +109,8 @@ def audit(section):
 def _entry(claim):
     check = f'<a href="#{claim.check}">{claim.check}</a>'  # HTML, as Sphinx follows no links here
     number = f" **{claim.number}** (cell {check})." if claim.number else ""
-    notebook = f'<a href="{claim.notebook}.ipynb">{claim.notebook[:2]}</a>'
-    done = f"See notebook {notebook} and `{claim.module.removeprefix('nurbs_lab/')}`."
+    notebook = f'notebook <a href="{claim.notebook}.ipynb">{claim.notebook[:2]}</a>'
+    head = f"**{claim.item}** · *{claim.verdict}* · {notebook}, `{claim.module.removeprefix('nurbs_lab/')}`"
     # An equation is a paragraph of its own: Sphinx takes words in brackets behind it for its label.
     quote = "\n>\n> ".join(filter(None, re.split(r"\s*(\$\$.+?\$\$)\s*", claim.quote)))
-    return f"**{claim.item}** · *{claim.verdict}*\n\n> {quote}\n\n{claim.reading}{number} {done}"
+    return f"{head}\n\n> {quote}\n\n{claim.reading}{number}"
