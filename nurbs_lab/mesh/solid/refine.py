@@ -119,6 +119,8 @@ def _refined(mesh, target, samples, within, most_faces, meets):
         raised_there = raised[fitted.face_of_vertex]
         np.maximum.at(raised_there, fitted.vertex_of_face, raised)
         weight = weight * raised_there
+        if vain > 1:  # smaller faces where it misses did not help twice: smaller ones everywhere
+            cost /= 2.0
     return best
 
 

@@ -276,8 +276,10 @@ def test_rounding_does_not_change_a_solid():
             assert np.abs(one.control_points @ back - other.control_points).max() < 1e-4
 
 
-def test_an_organ_needs_few_control_points():
-    mesh = samples.frog_organ("ileum", blur_mm=2.0)
+# Of the heart, faces that are smaller only where they miss are no better four times in a row.
+@pytest.mark.parametrize("organ", ["ileum", "heart"])
+def test_an_organ_needs_few_control_points(organ):
+    mesh = samples.frog_organ(organ, blur_mm=2.0)
     made = reconstruct(mesh, tolerance=0.005 * max(mesh.extents))
     assert made.within_tolerance
     assert made.seam_angle < 1e-4
