@@ -9,7 +9,7 @@ logarithms of all M rooms is least, the time exceeds the least one by at most we
 
 import numpy as np
 
-from nurbs_lab.motion._scurve_kernels import solve_bands
+from nurbs_lab.motion._scurve_kernels import factor_bands, solve_bands
 from nurbs_lab.motion._scurve_problem import FALL, STEPS
 
 #: The bound may be lower than the least time by this part.
@@ -133,6 +133,7 @@ class Relaxation:
         bands[2:-2, 0] += (1.0 / own**2).sum(axis=0)
         step = np.zeros(n + 2)  # the ordinates of the end cells are given
         step[2:-2] = -gradient[2:-2]
+        factor_bands(bands[2:-2])
         solve_bands(bands[2:-2], step[2:-2])
         return step[1:-1], -weight * (gradient * step).sum()
 

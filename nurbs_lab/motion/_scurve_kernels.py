@@ -92,12 +92,12 @@ def _room_of_turns(turns, i, second, squares, slopes):
 def _model(grid, problem, middle, weight, squares, slopes, padded):
     """Gradient and convex Hessian of the potential, the jerk limits on their tangents.
 
-    Both arrays of ``padded`` have a row more at each end; ``hessian[i, k]`` belongs to cells i - 1 and
-    i - 1 + k. ``grid`` holds the widths of the cells, one over the sum of both at every inner node, and an
-    array for 1 / v at every node.
+    Both arrays of ``padded`` have a row more at each end, for b there; ``hessian[i, k]`` belongs to cells
+    i - 1 and i - 1 + k. ``grid`` holds the widths of the cells, zero beyond the ends, one over the sum of
+    both at every node, and an array for 1 / v at every node.
     """
-    widths, _, slowness = grid
-    _, ends, caps, nodes, turns, jerk = problem
+    slowness = grid[2]
+    widths, ends, caps, nodes, turns, jerk = problem
     gradient, hessian = padded
     nodal(widths, middle, ends, squares, slopes)
     gradient[:] = 0.0
@@ -147,7 +147,7 @@ def _add_node(grid, nodes, weight, i, place, padded):
         by_bd += n * t
         by_dd += t * t
     widths, slope = grid[0], 2.0 * grid[1][i]
-    left, right = 0.5 * slope * widths[i], 0.5 * slope * widths[i - 1]
+    left, right = 0.5 * slope * widths[i + 1], 0.5 * slope * widths[i]
     gradient[i] += weight * (by_b * left - by_d * slope)
     gradient[i + 1] += weight * (by_b * right + by_d * slope)
     hessian[i, 0] += weight * (by_bb * left * left - 2.0 * by_bd * left * slope + by_dd * slope * slope)
@@ -162,19 +162,19 @@ def _add_turns(grid, turns, weight, i, squares, slopes, padded):
     """Add the jerks of axes at both ends of a cell: |t b'' + n b' + m b| <= 1 / sqrt(b) each."""
     widths, joined, slowness = grid
     gradient, hessian = padded
-    own = 1.0 / widths[i]
+    own = 1.0 / widths[i + 1]
     second = (slopes[i + 1] - slopes[i]) * own
     s0, s2 = 2.0 * joined[i] * own, 2.0 * joined[i + 1] * own
     for k in range(turns.shape[1]):
         side = k % 2
         j, b, slow = joined[i + side], squares[i + side], slowness[i + side]
         t, n, m = turns[i, k, 0], turns[i, k, 1], turns[i, k, 2]
-        wide = widths[i] * j  # b and its slope by the ordinates of three cells
+        wide = widths[i + 1] * j  # b and its slope by the ordinates of three cells
         if side == 0:
-            b0, b1, b2 = wide, widths[max(i - 1, 0)] * j, 0.0
+            b0, b1, b2 = wide, widths[i] * j, 0.0
             d0, d1, d2 = -2.0 * j, 2.0 * j, 0.0
         else:
-            b0, b1, b2 = 0.0, widths[min(i + 1, widths.size - 1)] * j, wide
+            b0, b1, b2 = 0.0, widths[i + 2] * j, wide
             d0, d1, d2 = 0.0, -2.0 * j, 2.0 * j
         x, y, z = (
             t * s0 + n * d0 + m * b0,
@@ -211,7 +211,7 @@ def _add_cell(grid, jerk, weight, i, rise, padded):
     """Add the time and the jerk limit of a cell, in which the slope of b rises, to the model."""
     widths, joined, slowness = grid
     gradient, hessian = padded
-    h, tp, tq = widths[i], slowness[i], slowness[i + 1]
+    h, tp, tq = widths[i + 1], slowness[i], slowness[i + 1]
     own_width, mean = 1.0 / h, tp * tq / (tp + tq)
     s = rise * own_width
     first, second = h * mean**2, h * mean**3
@@ -224,8 +224,8 @@ def _add_cell(grid, jerk, weight, i, rise, padded):
     own, slope, own_own, by_qs, both = _jerk_barrier(jerk, weight, tq, s)
     by_q, by_qq, by_s, by_ss = by_q + own, by_qq + own_own, by_s + slope, by_ss + both
     # p = p0 x + p1 y, q = q1 y + q2 z, s = s0 x + s1 y + s2 z for the ordinates x, y, z of three cells
-    p0, p1 = h * joined[i], widths[max(i - 1, 0)] * joined[i]
-    q1, q2 = widths[min(i + 1, widths.size - 1)] * joined[i + 1], h * joined[i + 1]
+    p0, p1 = h * joined[i], widths[i] * joined[i]
+    q1, q2 = widths[i + 2] * joined[i + 1], h * joined[i + 1]
     s0, s2 = 2.0 * joined[i] * own_width, 2.0 * joined[i + 1] * own_width
     s1 = -s0 - s2
     gradient[i] += by_p * p0 + by_s * s0
@@ -244,102 +244,128 @@ def _add_cell(grid, jerk, weight, i, rise, padded):
 
 
 @kernel
-def solve_bands(bands, right):
-    """Solve a symmetric system of five diagonals in place (L D Lᵀ); ``bands[i, k]`` is entry (i, i + k)."""
-    n = right.size
+def factor_bands(bands):
+    """Factors L D Lᵀ, in place, of a symmetric matrix of five diagonals: ``bands[i, k]`` is (i, i + k)."""
+    n = bands.shape[0]
     for i in range(n):
-        inverse = 1.0 / bands[i, 0]
+        bands[i, 0] = inverse = 1.0 / bands[i, 0]
         one, two = bands[i, 1] * inverse, bands[i, 2] * inverse
         if i + 1 < n:
             bands[i + 1, 0] -= one * bands[i, 1]
             bands[i + 1, 1] -= one * bands[i, 2]
-            right[i + 1] -= one * right[i]
         if i + 2 < n:
             bands[i + 2, 0] -= two * bands[i, 2]
-            right[i + 2] -= two * right[i]
-        bands[i, 1], bands[i, 2], right[i] = one, two, right[i] * inverse
-    right[n - 2] -= bands[n - 2, 1] * right[n - 1]
-    for i in range(n - 3, -1, -1):
-        right[i] -= bands[i, 1] * right[i + 1] + bands[i, 2] * right[i + 2]
+        bands[i, 1], bands[i, 2] = one, two
 
 
 @kernel
-def centre(problem, middle, weight, tolerance, most):
-    """Newton steps on the potential, in place, from a motion that keeps all limits: their number.
+def solve_bands(factors, right):
+    """Solve a system in place, by what `factor_bands` left of its matrix."""
+    n = right.size
+    for i in range(n):
+        if i + 1 < n:
+            right[i + 1] -= factors[i, 1] * right[i]
+        if i + 2 < n:
+            right[i + 2] -= factors[i, 2] * right[i]
+        right[i] *= factors[i, 0]
+    right[n - 2] -= factors[n - 2, 1] * right[n - 1]
+    for i in range(n - 3, -1, -1):
+        right[i] -= factors[i, 1] * right[i + 1] + factors[i, 2] * right[i + 2]
+
+
+@kernel
+def _border(padded, ends, middle, border):
+    """Derivatives of the potential as both ends and the ordinates there grow by a part: first and second.
+
+    ``border`` takes the mixed ones.
+    """
+    (gradient, hessian), n = padded, middle.size
+    border[:] = 0.0
+    first = second = 0.0
+    for low, high, at in ((ends[0], middle[0], 0), (middle[n - 1], ends[2], n)):
+        first += low * gradient[at] + high * gradient[at + 1]
+        second += low * low * hessian[at, 0] + high * high * hessian[at + 1, 0]
+        second += 2.0 * low * high * hessian[at, 1]
+    border[1] += hessian[0, 2] * ends[0] + hessian[1, 1] * middle[0]
+    border[2] += hessian[1, 2] * middle[0]
+    border[n - 2] += hessian[n - 1, 1] * middle[n - 1] + hessian[n - 1, 2] * ends[2]
+    border[n - 3] += hessian[n - 2, 2] * middle[n - 1]
+    return first, second
+
+
+@kernel
+def centre(problem, middle, weight, tolerance, most, growth):
+    """Newton steps on the potential, in place, from a motion that keeps all limits.
 
     At most ``most`` steps, each shortened at most 30 times; both take time in proportion to the cells.
+
+    ``growth`` is (part, pull). As long as the ends and the ordinates beside them are a part below 1 of what
+    they shall be, they grow with the others, and the potential falls by ``weight * pull * log(part)``. The
+    part that is reached is returned.
     """
-    n, widths = middle.size, problem[0]
-    squares, slopes, joined = np.empty(n + 1), np.empty(n + 1), np.zeros(n + 1)
-    for i in range(1, n):
-        joined[i] = 1.0 / (widths[i] + widths[i - 1])
-    grid, padded = (widths, joined, np.empty(n + 1)), (np.empty(n + 2), np.empty((n + 2, 3)))
-    step, scale, trial = np.empty(n), np.zeros(n), np.empty(n)
-    value = potential(problem, middle, weight, squares, slopes)
-    for count in range(most):
+    n, ends, (part, pull) = middle.size, problem[1], growth
+    squares, slopes, joined, wide = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.zeros(n + 2)
+    wide[1 : n + 1] = problem[0]
+    for i in range(n + 1):
+        joined[i] = 1.0 / (wide[i] + wide[i + 1])
+    grid, padded = (wide, joined, np.empty(n + 1)), (np.empty(n + 2), np.empty((n + 2, 3)))
+    step, scale, trial, border, before = np.empty(n), np.zeros(n), np.empty(n), np.zeros(n), ends.copy()
+    value = potential(problem, middle, weight, squares, slopes) - weight * pull * log(part)
+    for _ in range(most):
         _model(grid, problem, middle, weight, squares, slopes, padded)
         gradient, hessian = padded[0][1 : n + 1], padded[1][1 : n + 1]
-        for i in range(1, n - 1):  # the ordinates of the end cells are given
+        rise, bend = _border(padded, ends, middle, border) if part < 1.0 else (0.0, 0.0)
+        for i in range(1, n - 1):
             scale[i] = 1.0 / sqrt(hessian[i, 0])
         for i in range(n):
             for k in range(min(3, n - i)):
                 hessian[i, k] *= scale[i] * scale[i + k]
         hessian[0, 0] = hessian[n - 1, 0] = 1.0
+        factor_bands(hessian)
         for i in range(n):
             step[i] = -scale[i] * gradient[i]
         solve_bands(hessian, step)
-        decrement = 0.0
+        decrement = grown = 0.0
+        if part < 1.0:
+            rise, bend = rise - weight * pull, bend + weight * pull
+            for i in range(n):
+                border[i] = trial[i] = scale[i] * border[i]
+            solve_bands(hessian, trial)
+            mixed = rise
+            for i in range(n):
+                mixed += border[i] * step[i]
+                bend -= border[i] * trial[i]
+            grown = -mixed / bend
+            for i in range(n):
+                step[i] -= grown * trial[i]
+            decrement = -grown * rise
         for i in range(n):
             step[i] *= scale[i]
             decrement -= gradient[i] * step[i]
         if not decrement > tolerance * weight:
-            return count
-        fraction = 1.0
+            break
+        step[0], step[n - 1] = grown * middle[0], grown * middle[n - 1]
+        fraction = min(1.0, max((1.0 / part - 1.0) / grown, -0.9 / grown)) if part < 1.0 else 1.0
         while fraction > 1e-9:
             for i in range(n):
                 trial[i] = middle[i] + fraction * step[i]
+            ends[:] = before * (1.0 + fraction * grown)
             found = potential(problem, trial, weight, squares, slopes)
+            found -= weight * pull * log(part * (1.0 + fraction * grown))
             if found <= value - 0.1 * fraction * decrement + 1e-14 * abs(value):
                 break
             fraction *= 0.5
         else:
-            return count
+            ends[:] = before
+            break
         for i in range(n):
             middle[i] = trial[i]
-        value = found
-    return most
-
-
-@kernel
-def look_ahead(level, ways, up, down):
-    """Change speeds between the first and the last, in place, to what S-curves reach from one to the next.
-
-    ``up`` and ``down`` hold the accelerations and jerks behind each corner and before the next one.
-    """
-    n = ways.size
-    forced = level[0]
-    for k in range(n - 1):
-        forced -= _gain(forced, -1.0, ways[k], up[:, k])
-        level[k + 1] = max(forced, min(level[k + 1], level[k] + _gain(level[k], 1.0, ways[k], up[:, k])))
-    forced = level[n]
-    for k in range(n - 1, 0, -1):
-        forced -= _gain(forced, -1.0, ways[k], down[:, k])
-        level[k] = max(forced, min(level[k], level[k + 1] + _gain(level[k + 1], 1.0, ways[k], down[:, k])))
-
-
-@kernel
-def _gain(speed, sign, way, most):
-    """By how much a speed rises, or falls, at most along an S-curve within a way."""
-    (acceleration, jerk), low = most, 0.0
-    high = sqrt(speed * speed + 2.0 * acceleration * way) - speed if sign > 0.0 else 2.0 / 3.0 * speed
-    for _ in range(50):
-        gain = 0.5 * (low + high)
-        peak = min(acceleration, sqrt(jerk * gain))
-        if (speed + 0.5 * sign * gain) * (gain / peak + peak / jerk) <= way:
-            low = gain
-        else:
-            high = gain
-    return low if sign > 0.0 or low < 0.6 * speed else speed
+        value, free = found, part < 1.0
+        before[:] = ends
+        part *= 1.0 + fraction * grown
+        if free and part > 1.0 - 1e-12:
+            return 1.0
+    return part
 
 
 @kernel

@@ -11,6 +11,12 @@ from nurbs_lab.motion import _scurve_kernels
 FALL = 0.2
 #: A stage before the last ends when a Newton step would gain less than this part of the weight a cell.
 _NEAR = 0.3
+#: From rest to the speeds of the ends: what growing by a part counts beside the room of a cell.
+_PULLS = 10.0 ** np.arange(5)
+#: Stages before that, in which the slowed motion becomes fast.
+_STAGES = 3
+#: Fields of a `Block` that hold what the limits allow.
+LIMITS = "caps", "causes", "along", "across", "steepest", "kappas", "turns", "jerk"
 #: Newton steps of a stage at most: one that is cut short leaves the next ones no way to the least time.
 STEPS = 1000
 
@@ -86,7 +92,7 @@ class Block:
 
     def centre(self, middle, weight, tolerance=0.1, most=60):
         """Least time with a weight on the room to the limits, in place, by ``most`` Newton steps at most."""
-        _scurve_kernels.centre(self.problem, middle, weight, tolerance, most)
+        _scurve_kernels.centre(self.problem, middle, weight, tolerance, most, (1.0, 0.0))
 
     def _balanced_weight(self, middle):
         """A weight at which time and room count alike."""
@@ -97,28 +103,38 @@ class Block:
         return replace(self, ends=self.ends / factor**2)
 
     def infeasibility(self, middle):
-        """The least power of 1.02 by which a motion must be slowed to keep the limits; infinite above 1e9."""
+        """The least power of 1.2 by which a motion must be slowed to keep the limits; infinite above 1e9."""
         factor = 1.0
         while not self._slower(factor).is_feasible(middle / factor**2):
-            factor *= 1.02
+            factor *= 1.2
             if factor > 1e9:
                 return np.inf
         return factor
 
     def make_feasible(self, middle):
-        """Change a motion, in place, until it keeps every limit; whether that was possible.
+        """Change a motion, in place, until it keeps every limit; a weight for `solve`, 0 if none is found.
 
-        Slowed by some factor it does, and centering lets the factor be lowered: as often as that does.
+        Slowed by some factor it does. It is then made as fast as these slow ends allow, since no way on leads
+        from a motion that nearly rests in between. At last the speeds of the ends grow, and the whole motion
+        with them, by a barrier method on the logarithm of the part of v² that is reached.
         """
-        factor, before = self.infeasibility(middle), np.inf
-        while 1.0 < factor < before:
-            block, slowed = self._slower(factor), middle / factor**2
-            block.centre(slowed, 10.0 * block._balanced_weight(slowed))
-            middle[:] = slowed * factor**2
-            before, factor = factor, self.infeasibility(middle)
-        return factor == 1.0
+        factor = self.infeasibility(middle)
+        block, slowed, part = self._slower(factor), middle / factor**2, factor**-2.0
+        weight = block._balanced_weight(slowed)
+        if not 1.0 < factor < np.inf:
+            return weight * (factor == 1.0)
+        for stage in range(_STAGES):
+            weight = FALL**stage * block._balanced_weight(slowed)
+            block.centre(slowed, weight, _NEAR * len(middle), STEPS)
+        for pull in len(middle) * _PULLS:
+            growth, weight = (part, pull), FALL**_STAGES * block._balanced_weight(slowed)
+            part = _scurve_kernels.centre(block.problem, slowed, weight, _NEAR * len(middle), STEPS, growth)
+            if part == 1.0:
+                break
+        middle[1:-1] = slowed[1:-1]
+        return weight * (part == 1.0 and self.is_feasible(middle))
 
-    def solve(self, middle, gap):
+    def solve(self, middle, weight, gap):
         """Least time from a motion that keeps the limits, in place; the weight on their room that remains.
 
         The weight falls by `FALL` from stage to stage, which makes log(1 / gap) / log(1 / FALL) stages and
@@ -127,7 +143,7 @@ class Block:
 
         The time is above the least one by less than the part ``gap`` of it; seen: a fiftieth of that.
         """
-        block, weight = self, self._balanced_weight(middle)
+        block = self
         while weight * 8.0 * len(middle) > gap * self.time(middle):
             block.centre(middle, weight, _NEAR * len(middle), STEPS)
             block, weight = block._for_phases(middle), weight * FALL

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common.checks import largest
+from nurbs_lab.common.checks import lengths as lengths_of
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.corners import ROWS, sampled, slowed_at_corners
 from nurbs_lab.nurbs import span_kernels
@@ -19,6 +20,8 @@ JUMP = 1e-6
 TURN = 5e-3
 #: Beside a knot where the speed limit jumps, samples lie at this part of its spans.
 _BESIDE = 1e-2
+#: Radii below this part of the length count as this large: rounding of the length hides what happens there.
+_SHARPEST = 1e-12
 #: Cells of a span before the first halving.
 _FIRST_CELLS = 8
 #: Most cells that are halved: so many in all, and so many more for each span.
@@ -229,8 +232,9 @@ def arc_lengths(track, u):
 
 def path_derivatives(track, span, u):
     """Unit tangents, curvature vectors and their rates, each parameter seen from the inside of its span."""
-    found = np.empty((3, len(u), track.curve.dim))
+    found, sharpest = np.empty((3, len(u), track.curve.dim)), 1.0 / (_SHARPEST * track.length)
     _kernels.path_derivatives(track.spans, span, u, *found)
+    found[1] *= (sharpest / np.maximum(lengths_of(found[1]), sharpest))[:, None]
     return found
 
 

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nurbs_lab.motion import _scurve_kernels
 from nurbs_lab.motion._scurve_problem import Block
 from nurbs_lab.motion.feed import FeedProfile, from_jerks, path_of_jerks, stretch
 from nurbs_lab.motion.scan import JUMP
@@ -16,8 +15,6 @@ from nurbs_lab.motion.trapezoid import fastest
 _MOST = 20_000.0, 30.0
 #: The first motion takes at most this part of accelerations and jerks, and the root of it of speeds.
 _PART = 0.5
-#: Beside a corner where that is too much it takes this part of it, so often at most.
-_CUT, _CUTS = 0.1, 10
 #: The grid has one more cell for each so many samples of the path.
 _SAMPLES = 8.0
 #: Where the motion leaves rest or a corner, cells grow with the distance from it by this part.
@@ -87,13 +84,14 @@ def s_curve(path, limits, ends, fineness):
         jerk = min(jerk, 2.0 * float(np.linalg.norm(limits.axis_jerk)))
     steep = replace(limits, jerk=min(jerk, limits.acceleration / shortest, gentlest))
     block, middle = _prepare(path, steep, ends, lengths, squares, fineness)
-    if not block.make_feasible(middle):
+    weight = block.make_feasible(middle)
+    if not weight:
         at, name = block.hardest(middle)
         raise ValueError(
             f"no S-curve fits between start_speed {ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s: "
             f"{name} leaves no way on at {path.place(at)}; raise it or jerk, or lower these speeds"
         )
-    block, weight = block.solve(middle, fineness.gap)
+    block, weight = block.solve(middle, weight, fineness.gap)
     return Motion(block, middle, weight, lengths[-1], limits)
 
 
@@ -112,22 +110,13 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     accelerations, signs = most * ramp_times, np.array([1.0, -1.0])
     ends = (speeds + 0.5 * most * ramp_times**2) ** 2
     ends = np.ravel(np.column_stack([ends, 2.0 * signs * accelerations]))
-    of_nodes = _limits_on(path, limits, nodes, speeds, fineness.margin)
+    of_nodes = limits_on(path, limits, nodes, speeds, fineness.margin)
     of_ends = map(tuple, (speeds, ramp_times, most))
     block = Block(nodes, ends, *of_nodes, *of_ends, np.ones(len(nodes) - 1))
     stretches, axes = _stretches(path, places), (limits.axis_acceleration, limits.axis_jerk)
     along = zip((limits.acceleration, limits.jerk), axes, strict=True)
     steepest = [one if axis is None else min(one, axis.min()) for one, axis in along]
-    part, cells = np.full(len(places), _PART), np.stack([nodes[:-1], nodes[1:]])
-    for _ in range(_CUTS):
-        guess, tops = _guess(block, steepest, slowest, part, stretches)
-        beyond = block.binding(guess)[1] >= 1.0
-        if not beyond.any():
-            return block, guess
-        part[np.searchsorted(tops, cells[:, beyond])] *= _CUT
-    part[:] = 6.0 / 7.0  # a spline takes 7/6
-    steep, _ = _guess(block, steepest, slowest, part, stretches, straight=True)
-    return block, min([guess, steep], key=block.infeasibility)
+    return block, _guess(block, steepest, slowest, stretches)
 
 
 def _stretches(path, places):
@@ -166,52 +155,45 @@ def _out_of_rest(path, limits, margin, near, end):
     return jerk, min(np.sqrt(0.5 * slow / jerk), 0.35 * gentle / jerk)
 
 
-def _guess(block, steepest, slowest, part, stretches, straight=False):
-    """Ordinates of a motion that is level at corners and between them, and where the latter places are.
-
-    It takes a part of the accelerations and jerks beside each corner, and its root of the speeds. Out of the
-    ends it is level first, or ``straight``, on the S-curve that has their acceleration.
-    """
+def _guess(block, steepest, slowest, stretches):
+    """Ordinates of a motion that is level behind the ends, at corners and between them."""
     nodes, speeds, slopes = block.nodes, np.sqrt(block.ends[::2]), 0.5 * np.abs(block.ends[1::2])
     *edges, slow = stretches
-    up, down = np.outer(steepest, part[:-1]), np.outer(steepest, part[1:])
-    slow = np.sqrt(np.minimum(part[1:], part[:-1])) * slow
-    outer = -np.array([up[1, 0], down[1, -1]]) if straight else 0.5 * np.array(block.ramp_jerks)
-    level = np.minimum(np.sqrt(part) * slowest, np.minimum(np.append(np.inf, slow), np.append(slow, np.inf)))
-    edges, first = np.array(edges), slopes / np.abs(outer)
-    for turns in (first, slopes / outer):  # times in which the accelerations of both ends vanish
-        gone = turns * (speeds + slopes * turns / 3.0)
-        edges[0, 0], edges[1, -1] = nodes[0] + gone[0], nodes[-1] - gone[1]
-        ways, level[[0, -1]] = np.maximum(edges[1] - edges[0], 0.0), speeds + 0.5 * slopes * turns
-        if turns is first:
-            _scurve_kernels.look_ahead(level, ways, up, down)
+    most = _PART * np.array(steepest)
+    least = np.cbrt(_SHORTEST**2 * steepest[1] * np.ptp(nodes) ** 2)  # else the ramps are lost by rounding
+    slow, outer = np.sqrt(_PART) * np.maximum(slow, least), 0.5 * np.array(block.ramp_jerks)
+    level = np.minimum(np.sqrt(_PART) * slowest, np.minimum(np.append(np.inf, slow), np.append(slow, np.inf)))
+    edges, turns = np.array(edges), slopes / outer  # times in which the accelerations of both ends vanish
+    gone = turns * (speeds + slopes * turns / 3.0)
+    edges[0, 0], edges[1, -1] = nodes[0] + gone[0], nodes[-1] - gone[1]
+    ways, level[[0, -1]] = np.maximum(edges[1] - edges[0], 0.0), speeds + 0.5 * slopes * turns
     least, share = np.maximum(level[1:], level[:-1]), np.zeros(len(ways))
-    np.maximum.at(least, [0, -1], speeds + 0.5 * slopes * first)
     for power in range(1, 40):
         top = least + (share + 0.5**power) * (slow - least)
-        way = _rise(level[:-1], top, *up)[0] + _rise(level[1:], top, *down)[0]
+        way = _rise(level[:-1], top, *most)[0] + _rise(level[1:], top, *most)[0]
         share = np.where(way <= ways, share + 0.5**power, share)
     top = least + share * (slow - least)
-    rises, falls = _rise(level[:-1], top, *up), _rise(level[1:], top, *down)
+    rises, falls = _rise(level[:-1], top, *most), _rise(level[1:], top, *most)
     held, zero = np.maximum(ways - rises[0] - falls[0], 0.0) / top, np.zeros(len(ways))
     crossed = np.append((edges[0, 1:] - edges[1, :-1]) / level[1:-1], 0.0)
     durations = np.column_stack([*rises[1], held, *falls[1], crossed])
     changes = np.column_stack([rises[2], zero, -rises[2], zero, -falls[2], zero, falls[2], zero]).ravel()
-    durations[[0, -1], [0, 6]] += np.minimum(turns, 0.0)
     durations = np.concatenate([turns[:1], durations.ravel(), turns[1:]])
     changes = np.concatenate([-outer[:1], changes, -outer[1:]])
     there = durations > 1e-12 * durations.sum()
     path = path_of_jerks(durations[there], changes[there], speeds[0], slopes[0])
     profile = FeedProfile(*path, 1.0)
+    begun = np.append(profile.terms[:, 0], profile.length)[np.cumsum(there) - there][1:-1].reshape(-1, 8)
+    met = np.concatenate([[0.0], begun[:, [0, 7]].ravel(), [profile.length]])
+    places = np.concatenate([nodes[:1], edges.T.ravel(), nodes[-1:]])
 
-    def square(lengths):
-        part = (lengths - nodes[0]) / (nodes[-1] - nodes[0])  # rounding adds up on the way to the end
-        return profile.speed(profile.time_at(part * profile.length)) ** 2
+    def square(lengths):  # where a stretch is too short for its S-curves, these are shortened
+        return profile.speed(profile.time_at(np.interp(lengths, places, met))) ** 2
 
     guess = _ordinates(square, nodes)
     guess[0] = block.ends[0] + 0.5 * block.ends[1] * (nodes[1] - nodes[0])
     guess[-1] = block.ends[2] - 0.5 * block.ends[3] * (nodes[-1] - nodes[-2])
-    return guess, edges[0] + rises[0] + 0.5 * held * top
+    return guess
 
 
 def _rise(low, high, accelerations, jerks):
@@ -239,7 +221,7 @@ def _through(nodes, places):
     return np.sort(np.append(nodes[keep], places))
 
 
-def _limits_on(path, limits, nodes, speeds, margin):
+def limits_on(path, limits, nodes, speeds, margin):
     """The limits that `Block` holds, from caps to jerk, all of the true curve at both ends of every cell."""
     half = 0.5 * (nodes[1:] + nodes[:-1])
     sides = [path.geometry(at, half)[1:] for at in (nodes[:-1], nodes[1:])]

@@ -12,6 +12,9 @@ from nurbs_lab.motion.steppers.registry import Job, find_stepper, run
 from nurbs_lab.motion.toolpath import ToolPath
 from nurbs_lab.nurbs import NurbsCurve, span_kernels
 
+#: A step that is longer than this times the longest that is commanded leaps over a part of the curve.
+_LEAP = 10.0
+
 
 @one_or_many("feed")
 def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **options):
@@ -46,8 +49,9 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     ------
     TypeError, ValueError
         Unknown stepper or option, a feed planned for another curve or period, a curve shorter than one step
-        or with a cusp, more than 5,000,000 steps, a stepper that gives no forward step or is late at the end
-        by a twentieth of the time, or one without ``keeps`` on a curve with a double end point.
+        or with a cusp, more than 5,000,000 steps, a stepper that gives no forward step, leaps ahead by more
+        than ten times the longest step of a plan, or is late at the end by a twentieth of the time, or one
+        without ``keeps`` on a curve with a double end point.
 
     Notes
     -----
@@ -134,6 +138,12 @@ def path_of(job, stepper, options):
     u, count = steps.u, len(steps.u) - 1
     moved, chord, rise, commanded = (np.empty(count) for _ in range(4))
     span_kernels.moved_lengths(track.spans, track.panels, u, moved)
+    leap = int(moved.argmax())
+    if feed.limits is not None and moved[leap] > _LEAP * feed.peak * period_s:
+        raise ValueError(
+            f"step {leap} at u = {u[leap]:.9g}: {stepper.name!r} leaps {moved[leap]:.3g} mm ahead, as |C'| "
+            "is much less there than after it; take one that keeps the limits of a plan, such as 'exact'"
+        )
     _kernels.chord_lengths_and_errors(track.spans, u, chord, rise)
     _kernels.commanded_lengths(feed.table, period_s, commanded)
     if not feed.rests:  # the last step is commanded what was left

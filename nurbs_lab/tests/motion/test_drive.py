@@ -5,7 +5,7 @@ import pytest
 from scipy import sparse
 from scipy.integrate import quad
 from scipy.interpolate import BSpline
-from scipy.optimize import linprog
+from scipy.optimize import brentq, linprog
 
 import nurbs_lab as nl
 
@@ -200,3 +200,30 @@ def test_a_plan_through_a_corner_is_no_slower_than_a_stop_there(degrees, period_
     points = nl.trace(curve, feed, stepper="exact").points
     points = np.vstack([[points[0]] * 3, points, [points[-1]] * 3])
     assert np.abs(np.diff(points, 3, axis=0)).max() <= limits["axis_jerk"] * period_s**3
+
+
+@pytest.mark.parametrize("jerk", [None, 2e4])
+@pytest.mark.parametrize("degrees", [178.0, 90.0, 30.0, 3.0])
+def test_no_way_through_a_corner_is_shorter_than_the_certificate_says(degrees, jerk):
+    """Neither a stop there, nor S-curves or ramps to the speed that the corner allows, held at it alone."""
+    turn, period, most = np.radians(degrees), 4e-3, 1000.0
+    curve = nl.NurbsCurve(1, [0, 0, 1, 2, 2], [(0, 0), (5, 0), (5 + 5 * np.cos(turn), 5 * np.sin(turn))])
+    feed = nl.plan_feed(curve, speed=80.0, acceleration=most, jerk=jerk, period_s=period)
+    corner = min(80.0, most * period / (2 * np.sin(turn / 2)))
+
+    def half(slow):
+        """5 mm from rest to a speed: the closed form, the top speed by bisection."""
+
+        def ramp(gain):
+            peak = most if jerk is None else min(most, np.sqrt(jerk * gain))
+            return gain / peak + (0.0 if jerk is None else peak / jerk)
+
+        def left(top):
+            return 5.0 - 0.5 * top * ramp(top) - 0.5 * (top + slow) * ramp(top - slow) if top > slow else 5.0
+
+        top = brentq(left, slow, 80.0) if left(80.0) < 0.0 else 80.0
+        return ramp(top) + ramp(top - slow) + left(top) / top
+
+    least = feed.certificate().least_s
+    assert least - period <= 2.0 * half(corner) <= min(feed.duration, 2.0 * half(1e-6)) + 1e-9
+    assert least >= 0.995 * 2.0 * half(corner)

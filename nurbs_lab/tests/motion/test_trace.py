@@ -131,3 +131,14 @@ def test_a_new_stepper_needs_one_registration():
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.split() == ["mine", "mine"]
+
+
+@pytest.mark.parametrize("stepper", ["adams", "rk4", "paper", "chord-corrected"])
+def test_a_plan_whose_steps_leap_over_short_spans_is_refused(stepper):
+    """A span of 1e-9 mm between others of 1 mm with knots as far apart: |C'| is 1e-9 of theirs."""
+    x = np.append(np.arange(10.0), 9 + 1e-9 + np.arange(11.0))
+    curve = nl.NurbsCurve(1, np.arange(23).clip(1, 21), np.column_stack([x, 0 * x]))
+    feed = nl.plan_feed(curve, speed=50.0, acceleration=1000.0, period_s=1e-3)
+    with pytest.raises(ValueError, match=rf"'{stepper}' leaps 10 mm ahead"):
+        nl.trace(curve, feed, stepper=stepper)
+    assert nl.trace(curve, feed, stepper="history-arc").moved.max() <= 0.05
