@@ -22,7 +22,7 @@ refine._CLOSE            33 places     1 misses, unseen      near corners 55 % f
 fit.ENERGY               1e-3 to 1e-5                        +10; -3
 fit.ROUNDS               14                                  at 10 two folds of a knob stay
 fit.HOPELESS             2 tol.        +1, 1.6 x
-fit.STIFFER              10            43 folds of a knob    at 3 16 of them, at 10 7
+fit.STIFFER              10            +5, 9 folds of 44     at 3 16 folds of a knob, at 10 7
 fit.CORRECTIONS          4                                   +2, 1.6 x; +1; seams of 1e-12 to 2e-6 degrees
 fit.GRID, grids.CELLS    7, 4                                at 4 +1, at 10 +0; at 3 and 6 -1
 features._MOST_VOLUME    1e-3          1; edges of 6 of 92
@@ -32,7 +32,8 @@ features._COTANGENTS     0.02 to 3     7+, +52               +6
 features._PINNED         1e6           5, up to 6.6 x        at 1e4 -2
 features._LEAST_CHORD    0.94          arcs of half a hole   at 0.97 2.6 times the faces of a plate
 features._JAGGED         4 reaches     spleen 2.3 times      the same; +0
-quads._LONE              4                                   +2; +0
+quads._FACE              2                                   +4, 0.93 x; of 50 parts -1, 0.93 x
+quads._DEAR              2             -1, 2 x a layout      -1; -1, 1.5 x a layout; at 3 +0
 space._STRAIGHT          20 degrees    +11                   -2; +10
 LEAST_COSINE (ring)      0.2                                 +0; +4, 1.7 x
 SPREAD (ring)            5e-3                                -3, 1.2 x

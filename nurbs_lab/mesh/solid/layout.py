@@ -100,13 +100,10 @@ def lay_out(mesh: Surfels, weight, most_cost, most_faces) -> tuple[Layout, Chart
     opposite = opposite[old]
     opposite = 3 * triangle[opposite // 3] + opposite % 3
     triangles, sharp, begin = triangles[alive], sharp[old], begin[old]
-    joint = quads.pair(mesh, triangles, opposite, sharp)
     curves = _curves(mesh, triangles, opposite, sharp, begin)
-    pairs, alone, diagonals = quads.polygons(triangles, opposite, joint)
     number, count, parts = len(mesh.vertices), len(opposite), []
     middle = number + np.minimum(np.arange(count), opposite)  # of edges; then those of polygons
-    ways = quads.ways_to_cut(opposite, sharp, pairs, alone)
-    for sides, parents, way in ((pairs, diagonals, ways[0]), (alone, alone[:, 2], ways[1])):
+    for sides, parents, way in quads.divide(mesh, triangles, opposite, sharp):
         hubs = number + count + parents
         nodes = np.column_stack([triangles.ravel()[sides], middle[sides], hubs])
         parts.append(quads.pieces(nodes, sharp[sides], curves[sides], parents, way))

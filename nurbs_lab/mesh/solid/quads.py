@@ -1,18 +1,21 @@
-"""Triangles of a coarse mesh joined to quadrilaterals, and those divided into as few faces as possible.
+"""Triangles of a coarse mesh joined to quadrilaterals, and those divided into as few good faces as possible.
 
 Most triangles are joined in pairs. Edges are halved so that an odd number of halved edges bounds every
-triangle left alone, and an even number every pair: each of them then falls into quadrilaterals.
+triangle left alone, and an even number every pair: each of them then falls into quadrilaterals. One integer
+linear program chooses pairs and halved edges together: what a lone triangle costs depends on what its
+neighbours can do with a halved edge.
 """
 
 import numpy as np
-from scipy.optimize import LinearConstraint, milp
+from scipy.optimize import LinearConstraint, linprog, milp
 from scipy.sparse import coo_array
 
 from nurbs_lab.mesh.core import components
 from nurbs_lab.mesh.solid._kernels_ring import after, before
 from nurbs_lab.mesh.solid.features import corner_angles
 
-_LONE = 4.0  # cost of a triangle left alone; a corner that is off by a right angle costs 1
+_FACE = 2.0  # cost of a face; a corner that is off by a right angle costs 1
+_DEAR = 2.0  # reduced cost of ways that are left out
 
 # Pieces of polygons by which of their sides are halved: first the corners 0, 1, ... of the polygon, then the
 # middles of the sides that follow them, and last the middle of all. Other sides follow by rotation.
@@ -40,6 +43,41 @@ def _ways(size):
 WAYS = {size: _ways(size) for size in (3, 4)}
 
 
+def divide(mesh, triangles, opposite, sharp):
+    """Which triangles are joined in pairs, and in which of its `WAYS` every pair and lone triangle is cut.
+
+    Of pairs, and of lone triangles, returns the half-edges on their sides, a half-edge to number them by (of
+    pairs, the diagonal), and the ways. Faces and the squared deviations of their angles from right ones cost
+    least together.
+    """
+    half = np.arange(len(opposite))
+    angles = corner_angles(mesh.vertices, triangles).ravel()
+    sector = _sectors(opposite, sharp)
+    around = np.bincount(sector, weights=angles)
+    kinds = np.empty(len(around), dtype=np.int64)
+    kinds[sector] = mesh.kinds[triangles.ravel()]
+    at_corner = np.where(around > 230.0, 3, np.where(around > 140.0, 2, 1))
+    fewest = np.minimum(np.bincount(sector), np.choose(kinds, [3, 2, at_corner]))
+    smooth = (np.choose(kinds, [360.0, 180.0, around]) / np.maximum(around, 1.0))[sector]
+    diagonals = np.flatnonzero(~sharp & (half < opposite))
+    across, alone = opposite[diagonals], half.reshape(-1, 3)
+    pairs = np.column_stack([after(diagonals), before(diagonals), after(across), before(across)])
+    ends = mesh.vertices[triangles]
+    length = np.linalg.norm(np.roll(ends, -1, axis=1) - ends, axis=-1).ravel()
+    apex = _apexes(length)
+    base, zero = length[diagonals], np.zeros(len(diagonals))
+    flat = np.column_stack([base, apex[diagonals], zero, base - apex[across]])
+    single = np.column_stack([0.0 * half[::3], length[::3], apex[::3]])
+    price = np.concatenate([*_prices(flat, smooth[pairs]), *_prices(single, smooth[alone])])
+    owners = [(diagonals // 3, across // 3), (half[::3] // 3,)]
+    chosen = _least(price, (pairs, alone), owners, opposite, sharp, sector, fewest)
+    out = []
+    for sides, parents, one in zip((pairs, alone), (diagonals, alone[:, 2]), chosen, strict=True):
+        rows = np.flatnonzero(one.any(axis=0))
+        out.append((sides[rows], parents[rows], one[:, rows].argmax(axis=0)))
+    return out
+
+
 def _sectors(opposite, sharp):
     """Components of corners of faces around a vertex, joined across edges that are not sharp."""
     joined = np.flatnonzero(~sharp)
@@ -48,91 +86,73 @@ def _sectors(opposite, sharp):
     return components(len(opposite), rows, columns)[1]
 
 
-def pair(mesh, triangles, opposite, sharp):
-    """The half-edge across which every triangle is joined to its partner; -1 for those left alone.
+def _apexes(length):
+    """The third corners of triangles whose half-edges run from 0 along the real axis."""
+    half = np.arange(len(length))
+    ahead, behind = length[after(half)], length[before(half)]
+    real = (length**2 + behind**2 - ahead**2) / (2.0 * length)
+    return real + 1j * np.sqrt(np.maximum(behind**2 - real**2, 0.0))
 
-    The squared deviations of all corners from right angles are least together, by integer linear programming.
-    Every vertex keeps enough faces: three, or two on each side of a sharp curve.
+
+def _prices(corners, smooth):
+    """What the pieces of flat polygons cost, for each of the `WAYS`.
+
+    The angles at the corners of the polygons are multiplied by ``smooth``.
     """
-    m, half = len(triangles), np.arange(len(opposite))
-    angles = corner_angles(mesh.vertices, triangles).ravel()
-    sector = _sectors(opposite, sharp)
-    around = np.bincount(sector, weights=angles)
-    kinds = np.empty(len(around), dtype=np.int64)
-    kinds[sector] = mesh.kinds[triangles.ravel()]
-    at_corner = np.where(around > 230.0, 3, np.where(around > 140.0, 2, 1))
-    spare = np.maximum(np.bincount(sector) - np.choose(kinds, [3, 2, at_corner]), 0)
-    angles *= (np.choose(kinds, [360.0, 180.0, around]) / np.maximum(around, 1.0))[sector]  # as if smooth
-    edges = np.flatnonzero(~sharp & (half < opposite))
-    if not len(edges):  # as on a tetrahedron
-        return np.full(m, -1)
-    across = opposite[edges]
-    ends = angles[edges] + angles[after(across)], angles[after(edges)] + angles[across]
-    corners = np.stack([*ends, angles[before(edges)], angles[before(across)]])
-    cost = ((corners / 90.0 - 1.0) ** 2).sum(axis=0) - 2.0 * _LONE
-    owners = edges // 3, across // 3, m + sector[edges], m + sector[across]
-    most = np.concatenate([np.ones(m), spare])
-    chosen = _least(cost, [[(owner, 1.0) for owner in owners]], -np.inf, most)
-    chosen = np.zeros(len(cost), dtype=bool) if chosen is None else chosen
-    joint = np.full(m, -1)
-    joint[edges[chosen] // 3], joint[across[chosen] // 3] = edges[chosen], across[chosen]
-    return joint
+    size = corners.shape[1]
+    places = np.column_stack([corners, (corners + np.roll(corners, -1, axis=1)) / 2, corners.mean(axis=1)])
+    factors = np.column_stack([smooth, np.ones((len(corners), size + 1))])
+    for _, parts in WAYS[size]:
+        at = places[:, parts]
+        ahead, behind = np.roll(at, -1, axis=2) - at, np.roll(at, 1, axis=2) - at
+        angles = np.angle(behind * ahead.conj()) % (2 * np.pi) * factors[:, parts]
+        yield len(parts) * _FACE + ((angles / (np.pi / 2) - 1.0) ** 2).sum(axis=(1, 2))
 
 
-def polygons(triangles, opposite, joint):
-    """Half-edges on the sides of the pairs and of the lone triangles, and the first diagonal of each pair."""
-    diagonals = joint[(joint >= 0) & (joint < opposite[joint])]
-    across = opposite[diagonals]
-    sides = [after(diagonals), before(diagonals), after(across), before(across)]
-    alone = np.flatnonzero(joint < 0)
-    return np.column_stack(sides), 3 * alone[:, None] + np.arange(3), diagonals
+def _least(price, polygons, owners, opposite, sharp, sector, fewest):
+    """The cheapest ways to cut polygons, by integer linear programming: for each kind ``(ways, polygons)``.
 
-
-def ways_to_cut(opposite, sharp, pairs, alone):
-    """Which of its `WAYS` cuts every pair, and every lone triangle, so that there are fewest pieces in all.
-
-    Each polygon is cut in one way, and neighbours agree about their edge. A lone triangle whose only halved
-    side is sharp, or that of another such triangle, would have a straight angle there: none is cut so. To
+    Every triangle is in one polygon. Neighbours agree about their edge. A lone triangle whose only halved
+    side is sharp, or that of another such triangle, would have a straight angle there: none is cut so. Every
+    vertex keeps enough faces: three, or two on each side of a sharp curve. To leave all triangles alone and
     halve all sides is always possible.
+
+    First fractions of ways are allowed. Ways that this finds too dear are left out then, if it can be.
     """
-    half, count = np.arange(len(opposite)), len(opposite)
+    count, half = len(opposite), np.arange(len(opposite))
     edge, sign = np.minimum(half, opposite), np.where(half < opposite, 1.0, -1.0)
-    entries, price, whole, first = [], [], [], 0
-    for sides in (pairs, alone):
-        names = 2 * count + first + np.arange(len(sides))
+    straight = count + count // 3  # the first condition that is no equation
+    limits = np.concatenate([np.zeros(count), np.ones(count // 3), ~sharp, -fewest])
+    rows, columns, values, begin = [], [], [], 0
+    for sides, owner in zip(polygons, owners, strict=True):
         for marks, parts in WAYS[sides.shape[1]]:
             halved = sides[:, np.flatnonzero(marks)].T
-            entries.append([(names, 1.0), *((edge[h], sign[h]) for h in halved)])
+            entries = [(edge[h], sign[h]) for h in halved] + [(count + triangle, 1.0) for triangle in owner]
             if len(halved) == 1:
-                entries[-1].append((count + edge[halved[0]], 1.0))
-            price.append(np.full(len(sides), len(parts)))
-            whole.append(np.full(len(sides), all(marks)))
-        first += len(sides)
-    limits = np.concatenate([0 * half, ~sharp, np.ones(first)])
-    least = np.where(np.arange(len(limits)) < 2 * count, 0, 1)
-    chosen = _least(np.concatenate(price), entries, least, limits)
-    chosen = np.concatenate(whole) if chosen is None else chosen
-    parts = np.split(chosen, [len(pairs) * len(WAYS[4])])
-    return tuple(part.reshape(len(WAYS[n]), -1).argmax(axis=0) for n, part in zip((4, 3), parts, strict=True))
-
-
-def _least(price, entries, least, most):
-    """The cheapest choice under linear conditions, by integer linear programming; None if none was found.
-
-    ``entries`` are, for every block of choices, their rows and values in the conditions.
-    """
-    rows, columns, values, begin = [], [], [], 0
-    for block in entries:
-        for row, value in block:
-            rows.append(row)
-            columns.append(begin + np.arange(len(row)))
-            values.append(np.broadcast_to(value, row.shape))
-        begin += len(block[0][0])
+                entries.append((straight + edge[halved[0]], 1.0))
+            for k, side in enumerate(sides.T):
+                entries.append((straight + count + sector[side], -float((parts == k).sum())))
+            for row, value in entries:
+                rows.append(row)
+                columns.append(begin + np.arange(len(row)))
+                values.append(np.broadcast_to(value, row.shape))
+            begin += len(sides)
     places = np.concatenate(rows), np.concatenate(columns)
-    table = coo_array((np.concatenate(values), places), shape=(len(most), len(price))).tocsr()
-    limits, options = LinearConstraint(table, least, most), {"mip_rel_gap": 0.02, "node_limit": 1}
-    found = milp(price, integrality=np.ones(len(price)), bounds=(0, 1), constraints=limits, options=options)
-    return None if found.x is None else found.x > 0.5
+    table = coo_array((np.concatenate(values), places), shape=(len(limits), begin)).tocsr()
+    equal, below = (table[:straight], limits[:straight]), (table[straight:], limits[straight:])
+    part = linprog(price, below[0], below[1], equal[0], equal[1], bounds=(0, 1))
+    least = np.concatenate([limits[:straight], np.full(len(limits) - straight, -np.inf)])
+    options = {"mip_rel_gap": 0.02, "node_limit": 1}
+    chosen = np.arange(begin) >= begin - count // 3  # all alone, and all their sides halved
+    for most in (_DEAR, np.inf):
+        some = np.flatnonzero(part.lower.marginals < most)
+        conditions = LinearConstraint(table[:, some], least, limits)
+        found = milp(price[some], integrality=1, bounds=(0, 1), constraints=conditions, options=options)
+        if found.x is not None:
+            chosen = np.isin(np.arange(begin), some[found.x > 0.5])
+            break
+    parts = np.split(chosen, [len(polygons[0]) * len(WAYS[4])])
+    return [one.reshape(len(WAYS[n]), -1) for n, one in zip((4, 3), parts, strict=True)]
 
 
 def pieces(nodes, sharp, curves, diagonals, ways):

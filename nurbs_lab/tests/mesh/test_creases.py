@@ -1,6 +1,6 @@
 """Sharp edges of a mesh: which are found, where they end, and what they ask of the faces beside them."""
 
-from itertools import product
+from itertools import chain, combinations, product
 
 import numpy as np
 import pytest
@@ -10,7 +10,8 @@ from scipy.spatial import ConvexHull, Delaunay
 from nurbs_lab.mesh import reconstruct, samples
 from nurbs_lab.mesh.core import opposite_of
 from nurbs_lab.mesh.solid import quads
-from nurbs_lab.mesh.solid.features import surfels, without_needles
+from nurbs_lab.mesh.solid._kernels_ring import CORNER, after, before
+from nurbs_lab.mesh.solid.features import Surfels, corner_angles, surfels, without_needles
 from nurbs_lab.tests.mesh import shapes
 
 
@@ -79,36 +80,86 @@ def test_short_jagged_creases_of_a_smooth_part_are_noise():
         assert found.sharp.sum() == 2 * edges
 
 
+class Bipyramid:
+    """Six triangles, two edges of which are sharp, and what it costs to divide them."""
+
+    def __init__(self, seed):
+        rng = np.random.default_rng(seed)
+        points = np.array([[1, 0, 0], [-0.5, 0.9, 0], [-0.5, -0.9, 0], [0, 0, 1], [0, 0, -1]])
+        self.vertices = points + 0.1 * rng.normal(size=(5, 3))
+        self.triangles = np.array([[0, 1, 3], [1, 2, 3], [2, 0, 3], [1, 0, 4], [2, 1, 4], [0, 2, 4]])
+        self.opposite, self.tails = opposite_of(self.triangles), self.triangles.ravel()
+        self.edge = np.minimum(np.arange(18), self.opposite)
+        ends = self.tails, self.tails[after(np.arange(18))]
+        apart = [
+            (h, k) for h in range(18) for k in range(h) if not {x[h] for x in ends} & {x[k] for x in ends}
+        ]
+        self.sharp = np.isin(self.edge, self.edge[list(rng.permutation(apart)[0])])
+        angles = np.bincount(self.tails, corner_angles(self.vertices, self.triangles).ravel())
+        self.fewest = np.where(angles > 230.0, 3, np.where(angles > 140.0, 2, 1))
+        self.prices = {}
+
+    def flat(self, sides):
+        """Corners, middles and middle of a polygon, the second triangle of a pair turned to the first."""
+        points = self.vertices[self.tails[list(sides)]]
+        if len(sides) == 4:
+            head, apex, tail, far = points
+            along = (head - tail) / np.linalg.norm(head - tail)
+            up, down = (x - tail - ((x - tail) @ along) * along for x in (apex, far))
+            points[3] = far - down - up * np.linalg.norm(down) / np.linalg.norm(up)
+        return np.concatenate([points, (points + np.roll(points, -1, axis=0)) / 2, points.mean(axis=0)[None]])
+
+    def price(self, sides, parts):
+        at = self.flat(sides)[parts]
+        ahead, behind = (np.roll(at, k, axis=1) - at for k in (-1, 1))
+        sizes = np.linalg.norm(ahead, axis=2) * np.linalg.norm(behind, axis=2)
+        angles = np.degrees(np.arccos(np.clip(np.einsum("pkx,pkx->pk", ahead, behind) / sizes, -1.0, 1.0)))
+        return len(parts) * quads._FACE + ((angles / 90.0 - 1.0) ** 2).sum()
+
+    def cost(self, polygons, halved):
+        """Of polygons with some edges halved; infinite where they do not fall into quadrilaterals."""
+        total, faces, single = 0.0, np.zeros(5), []
+        for sides in polygons:
+            marks = tuple(int(halved[self.edge[h]] > 0) for h in sides)
+            parts = dict(quads.WAYS[len(sides)]).get(marks)
+            if parts is None:
+                return np.inf
+            if (sides, marks) not in self.prices:
+                self.prices[sides, marks] = self.price(sides, parts)
+            total += self.prices[sides, marks]
+            for k, h in enumerate(sides):
+                faces[self.tails[h]] += (parts == k).sum()
+            single += [self.edge[h] for h, mark in zip(sides, marks, strict=True) if sum(marks) == 1 and mark]
+        straight = len(set(single)) < len(single) or self.sharp[single].any()
+        return np.inf if straight or (faces < self.fewest).any() else total
+
+
 @pytest.mark.parametrize("seed", range(4))
-def test_lone_triangles_fall_into_as_few_pieces_as_can_be(seed):
-    """Against all ways to halve the edges of an octahedron, two triangles of which are a pair."""
-    triangles = np.array(
-        [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
-    )
-    opposite, halves = opposite_of(triangles), np.arange(24)
-    edges = np.flatnonzero(halves < opposite)
-    joint = np.full(8, -1)
-    joint[0], joint[1] = (h := next(h for h in range(3) if opposite[h] // 3 == 1)), opposite[h]
-    sharp = np.zeros(24, dtype=bool)
-    chosen = np.random.default_rng(seed).choice(edges[edges != min(h, opposite[h])], 3, replace=False)
-    sharp[chosen] = sharp[opposite[chosen]] = True
-    pairs, alone, _ = quads.polygons(triangles, opposite, joint)
-    least = np.inf
-    for marks in product([False, True], repeat=12):
-        halved = np.zeros(24, dtype=bool)
-        halved[edges] = halved[opposite[edges]] = marks
-        single = alone[halved[alone].sum(axis=1) == 1]
-        straight = np.isin(halves, single) & halved
-        even, odd = halved[pairs].sum(axis=1), halved[alone].sum(axis=1)
-        valid = not halved[h] and not (even % 2).any() and (odd % 2).all()
-        if valid and not (straight & (sharp | straight[opposite])).any():
-            facing = halved[pairs][:, 0] == halved[pairs][:, 2]
-            cut = np.where(even == 2, np.where(facing, 2, 3), np.where(even == 0, 1, 4))
-            least = min(least, cut.sum() + odd.sum())
-    ways = quads.ways_to_cut(opposite, sharp, pairs, alone)
-    assert (
-        sum(len(quads.WAYS[n][way][1]) for n, some in zip((4, 3), ways, strict=True) for way in some) == least
-    )
+def test_triangles_are_joined_and_cut_at_the_least_cost(seed, monkeypatch):
+    """Against all pairs of six triangles, and all ways to halve their edges."""
+    monkeypatch.setattr(quads, "_DEAR", 4.0)  # fewer ways are enough to come near it
+    solid, best = Bipyramid(seed), np.inf
+    opposite, edges = solid.opposite, np.unique(solid.edge)
+    for chosen in chain.from_iterable(combinations(edges[~solid.sharp[edges]], k) for k in range(4)):
+        owners = [f for h in chosen for f in (h // 3, opposite[h] // 3)]
+        if len(set(owners)) < len(owners):
+            continue
+        polygons = [(after(h), before(h), after(opposite[h]), before(opposite[h])) for h in chosen]
+        polygons += [(3 * f, 3 * f + 1, 3 * f + 2) for f in range(6) if f not in owners]
+        for marks in product([False, True], repeat=9):
+            halved = dict(zip(edges, marks, strict=True))
+            if not any(halved[h] for h in chosen):
+                best = min(best, solid.cost(polygons, halved))
+    mesh = Surfels(solid.vertices, solid.triangles, opposite, solid.sharp, np.full(5, CORNER), 0.0)
+    polygons, halved = [], dict.fromkeys(edges, 0)
+    for sides, _, ways in quads.divide(mesh, solid.triangles, opposite, solid.sharp):
+        for row, way in zip(sides.tolist(), ways, strict=True):
+            polygons.append(tuple(row))
+            for h, mark in zip(row, quads.WAYS[len(row)][way][0], strict=True):
+                halved[solid.edge[h]] += mark
+    assert sorted(f for row in polygons for f in {h // 3 for h in row}) == list(range(6))
+    assert set(halved.values()) <= {0, 2}  # neighbours agree
+    assert solid.cost(polygons, halved) == pytest.approx(best)
 
 
 def test_triangles_all_of_whose_edges_are_sharp_are_divided_alone():
