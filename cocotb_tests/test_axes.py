@@ -75,10 +75,14 @@ class Axes:
 
 @cocotb.test(**WATCHDOG)
 async def steps_of_the_twin(dut):
-    """A period after the motion to a point began it is made, over two runs with a pause between them."""
+    """A period after the motion to a point began it is made, over two runs with a pause between them.
+
+    Another period and other scales wait for the next origin.
+    """
     axes = Axes(dut)
     await reset(dut)
     await axes.origin()
+    dut.period.value, dut.scales.value = PERIOD // 3, packed([x - 1000 for x in axes.scales], 32)
     u, points = axes.random_points(60)
     points[30] = points[29]  # a run begins where the one before ended
     expected = count_steps(points, axes.scales)

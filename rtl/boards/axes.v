@@ -7,7 +7,7 @@
  *           use. scales: 32 bits an axis without sign; a coordinate times its scale over 2^32 is a place in 1/1024 of
  *           a step. largest: 32 bits an axis without sign: the most that it moves in a period, in 1/1024 of a step.
  *           period: cycles, even or odd, 16 to 2^20 - 1. positions: 32 bits an axis, steps on the pins from the
- *           origin.
+ *           origin. period and scales are those of the latest origin: others wait for the next.
  * Rounding  a place to nearest, halves up, so no error adds up from point to point; positions to the nearest step,
  *           halves up.
  * Latency   the motion to a point begins 13 cycles after it was taken and lasts a period.
@@ -69,7 +69,8 @@ module axes #(
 
     // ---- The tick.
 
-    reg  [19:0] left;    // cycles of this period
+    reg  [19:0] cycles;  // of a period, and
+    reg  [19:0] left;    // of this one
     reg         running; // within a run
     wire        tick   = left == 20'd0;
     wire        halted = too_fast || late || lost || elsewhere || cut;
@@ -78,7 +79,8 @@ module axes #(
     assign s_axis_tready = tick && enable && placed && !halted;
 
     always @(posedge clk) begin
-        left <= tick ? period - 20'd1 : left - 20'd1;
+        if (clear) cycles <= period;
+        left <= tick ? cycles - 20'd1 : left - 20'd1;
         if (take) running <= !s_axis_tlast;
         if (tick && running && !s_axis_tvalid) late <= 1'b1;
         if (clear || halted) running <= 1'b0;
@@ -99,7 +101,7 @@ module axes #(
     reg                       moved;  // the latest point lies elsewhere than the one before
     reg         [159:0]       point;
     reg         [3:0]         bits;   // outputs of the latest point
-    reg         [95:0]        scale, most;
+    reg         [95:0]        scale, most; // scale turns once a point
     wire signed [69:0]        product;
     wire signed [69:0]        rounded = product + 70'sh0_8000_0000;
     reg         [35:0]        place;
@@ -116,7 +118,8 @@ module axes #(
         phase <= tick ? 4'd1 : phase == 4'd0 || phase == 4'd12 ? 4'd0 : phase + 4'd1;
         if (tick) fresh <= take && !s_axis_tuser[0];
         point <= {40'd0, point[159:40]};
-        if (phase >= 4'd2) scale <= {32'd0, scale[95:32]};
+        if (clear) scale <= scales;
+        else if (fresh && phase >= 4'd2 && phase <= 4'd4) scale <= {scale[31:0], scale[95:32]};
         if (fresh && phase >= 4'd1 && phase <= 4'd4)
             checksum <= {checksum[30:0], checksum[31]} ^ point[31:0] ^ {24'd0, point[39:32]};
         place <= rounded[67:32];
@@ -128,7 +131,7 @@ module axes #(
         needed <= size * SPACING;
         if (phase == 4'd8) moved <= 1'b0;
         if (weighs && size_q != 37'd0) moved <= 1'b1;
-        if (weighs && !begins && (needed > {24'd0, period, 10'd0} || size_q > {5'd0, most[31:0]})) too_fast <= 1'b1;
+        if (weighs && !begins && (needed > {24'd0, cycles, 10'd0} || size_q > {5'd0, most[31:0]})) too_fast <= 1'b1;
         if (weighs && begins && size_q > 37'd1024) elsewhere <= 1'b1;
         if (weighs) most <= {32'd0, most[95:32]};
         if (fresh && phase == 4'd11) first <= 1'b0;
@@ -141,7 +144,6 @@ module axes #(
             begins <= !running;
             point  <= s_axis_tdata;
             bits   <= s_axis_tuser[4:1];
-            scale  <= scales;
             most   <= largest;
             if (!s_axis_tuser[0]) points_taken <= points_taken + 32'd1;
             if (s_axis_tuser[0] && running && moved) cut <= 1'b1;
@@ -166,7 +168,7 @@ module axes #(
     // ---- The pins.
 
     wire [2:0] axis_lost, axis_moving;
-    wire signed [WIDTH-1:0] modulus = {1'b0, period, 10'd0};
+    wire signed [WIDTH-1:0] modulus = {1'b0, cycles, 10'd0};
     genvar i;
     generate for (i = 0; i < 3; i = i + 1) begin : axis
         step_dir #(.WIDTH(WIDTH), .PULSE(PULSE), .SETUP(SETUP)) step_dir_inst (

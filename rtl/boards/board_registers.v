@@ -13,8 +13,8 @@
  *                [13] the host was silent [14] a run began elsewhere [15] cut while the tool moved
  *   10 PERIOD    cycles of a period, LEAST_PERIOD to 2^20 - 1, 50000 after a reset; written only while no
  *                origin is set
- *   14 SCALE_X   18 SCALE_Y   1C SCALE_Z    steps of a coordinate, see axes.v; written only while nothing moves, as
- *                LARGEST
+ *   14 SCALE_X   18 SCALE_Y   1C SCALE_Z    steps of a coordinate from the next origin on, see axes.v; written only
+ *                while nothing moves, as LARGEST
  *   20 POINTS    24 CHECKSUM                read: of the points since the origin, see axes.v
  *   28 STEPS_X   2C STEPS_Y   30 STEPS_Z    read: steps from the origin, two's complement; after a stop the last
  *                ones; those of y and z are of the cycle in which x was read last

@@ -91,6 +91,7 @@ class Simulation:
             (say.BOARD_CONTROL, say.ENABLE): self.stopped,
             (say.BOARD_CONTROL, say.ORIGIN): moving or not state & say.ENABLED,
             (CONTROL, GO): held[say.HIT] or not placed or self.path is not None,
+            (LOAD_AT, data): data >> 13,
             (say.PERIOD, data): placed or not 1500 <= data < 1 << 20,
             **{(size, data): moving for size in say.SIZES},
         }
@@ -104,6 +105,7 @@ class Simulation:
                 say.ORIGIN: say.ENABLED | say.PLACED,
             }[data]
             if data == say.ORIGIN:
+                self.scales = [held.get(scale, 0) for scale in say.SIZES[:3]]
                 self.u, self.points = [], []
                 held |= dict.fromkeys((say.CHECKSUM, *say.STEPS), 0)
             if data == say.DISABLE and placed:
@@ -172,8 +174,7 @@ class Simulation:
             self.path, self.ended = None, True
             return
         self.u.append(position)
-        sizes = [self.registers[size] for size in say.SIZES]
-        scales, largest = sizes[:3], sizes[3:]
+        scales, largest = self.scales, [self.registers[size] for size in say.SIZES[3:]]
         moves = [(self.points or [point])[-1], point]
         places = zip(*(places_of(end, scales) for end in moves), largest, strict=True)
         if any(abs(there - here) > most for here, there, most in places):

@@ -6,9 +6,9 @@
  * forward (or back) is due and modulus is taken off (or added). So modulus * position + accumulator is exactly the sum
  * of all advances since origin, and position is that sum over modulus, to the nearest step, halves up.
  *
- * Format    modulus: one step times the cycles of a period, even, 2 or more. advance: what the period moves, in the
- *           same fraction of a step, two's complement; at most modulus / (2 * PULSE + 1) in size, so that pulses keep
- *           up. position: 32 bits, in two's complement.
+ * Format    modulus: one step times the cycles of a period, even, 2 or more; another one only with clear. advance:
+ *           what the period moves, in the same fraction of a step, two's complement; at most modulus / (2 * PULSE + 1)
+ *           in size, so that pulses keep up. position: 32 bits, in two's complement.
  * Rounding  none but that of position.
  * Latency   position changes a cycle after the accumulator's edge, step at least 1 cycle later; behind a turn it
  *           comes up to PULSE + SETUP cycles later.

@@ -35,7 +35,7 @@
         cover (cut && allowed);
         cover (elsewhere && allowed);
         // What makes these inductive.
-        assert (placed == allowed && left < 16);
+        assert (placed == allowed && left < 16 && cycles == 16);
         if (since < 16) assert (left == 16 - since);
         if (since == 31) assert (shown == 0 && (!fresh || off));
         if (since > 15 && since != 31) assert (left == (since == 16 ? 0 : 32 - since));
