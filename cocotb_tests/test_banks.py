@@ -9,6 +9,7 @@ from cocotb_tests.bench import SEED, WATCHDOG, reset, simulate
 DIM, WORD = 2, 29
 #: Axis and side of each bound of a bank; the last one is the step.
 EVERY = ((0, 0), (0, 1), (1, 0), (1, 1), (3, 1))
+THIRD = ((2, 0), (2, 1))  # of the axis that is not there
 
 
 def test_banks():
@@ -121,7 +122,7 @@ async def banks_close_and_open(dut):
             await banks.write(3, axis << 5 | side << 4 | 4)
         await banks.write(5, limit)
         assert not await banks.close(0, 8, bounds=())
-    assert await banks.close(0, 9)
+    assert await banks.close(0, 9, bounds=(*EVERY, *THIRD))
     assert await banks.writable() == ([1] * 8, 1)
     dut.busy.value = 1
     await banks.pulse("begins")

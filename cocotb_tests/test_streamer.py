@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
 
-from cocotb_tests.bench import WATCHDOG, met, reset, simulate
+from cocotb_tests.bench import WATCHDOG, load_bus, met, reset, simulate
 from cocotb_tests.streamer_driver import Machine
 from nurbs_lab import NurbsCurve, plan_feed
 from nurbs_lab.hardware import Format, build_exact_program, run_exact
@@ -92,6 +92,9 @@ async def faults_end_the_run(dut):
     await machine.check(replace(plan, end=tuple(x[0] for x in plan.pieces[0].points)), ("too_far",))
     first = replace(plan.pieces[0], root=plan.pieces[0].root // 2)
     await machine.check(replace(plan, pieces=(first, *plan.pieces[1:])), ("overflow",))
+    fastest = max(plan.feed, key=lambda record: record[1])
+    longer = [(row[0] + 30 * (row == fastest), *row[1:]) for row in plan.feed]  # than the path
+    await machine.check(replace(plan, feed=tuple(longer)), ("overflow",))
     await machine.check(plan)
 
 
@@ -267,6 +270,44 @@ def job(dim, count, format, cubic=()):
     feeds = [feed for _, feed in plan_windows(curves, speed=30.0, acceleration=6000.0, period_s=1e-3)]
     outputs = [n % 16 for n in range(count)]
     return build_exact_program(curves, concatenate(feeds), 1e-3, outputs=outputs, format=format)
+
+
+@cocotb.test(**WATCHDOG)
+async def go_waits_for_the_loader(dut):
+    """With a write to bank 0 nothing begins; with the close of bank 1 the run begins a cycle later."""
+    machine = Machine(dut)
+    await reset(dut)
+    plan = job(machine.dim, 70, machine.format)
+    first, second, third = plan.batches()
+    machine.later, machine.filled = [first], 0
+    await machine.load_next(0)
+    dut.go.value = 1
+    await load_bus(dut, first[:1])
+    dut.go.value = 0
+    await FallingEdge(dut.clk)
+    assert (dut.busy.value, dut.closed.value) == (0, 0)
+    machine.later, machine.filled = [first, third], 0
+    await machine.load_next(0)
+    await load_bus(dut, second)
+    dut.load_space.value, dut.load_index.value = 7, 1
+    dut.close.value = dut.go.value = 1
+    await RisingEdge(dut.clk)
+    dut.close.value, machine.filled = 0, 2
+    await RisingEdge(dut.clk)
+    dut.go.value = 0
+
+    async def host():
+        await met(dut, dut.starved)
+        await ClockCycles(dut.clk, 30_000)
+        assert dut.resting.value == 1
+        await machine.load_next(0)
+
+    hosting = cocotb.start_soon(host())
+    u, points, void = await machine.points()
+    await hosting
+    expected = run_exact(plan, machine.rates)
+    assert (u, points, void) == (expected.u, expected.points, False)
+    machine.check_starved(plan)
 
 
 @cocotb.test(**WATCHDOG)

@@ -107,13 +107,13 @@ module banks #(
 
     // ---- The bounds of the load that is not yet closed.
 
-    localparam [7:0] ALL = DIM == 3 ? 8'hBF : 8'h8F;
+    localparam [7:0] ALL = DIM == 3 ? 8'hBF : 8'h8F; // the bounds that are needed
     wire       bound  = load && load_space == 3'd3 && load_index[2:0] == 3'd4;
     wire       limit  = load && load_space == 3'd5 && (load_index[3] || load_index[3:0] == 4'd4);
     wire [7:0] which  = 8'd1 << load_index[6:4]; // {axis, whether it is the highest}; 7 is the step
     reg  [7:0] bounds;
     reg        leaves; // one of them lies beyond its limit
-    wire       good   = bounds == ALL && !leaves;
+    wire       good   = (bounds & ALL) == ALL && !leaves;
     always @(posedge clk) begin
         outside <= close && !good;
         if (bound) bounds <= bounds | which;
@@ -137,7 +137,7 @@ module banks #(
     assign starved  = busy && committed < {16'd0, reserve} && (final_bank & closed) == 2'd0 && closed != 2'b11;
     always @(posedge clk) begin
         committed <= (begins ? periods_0 + (closed[1] ? periods_1 : 32'd0) : committed)
-                   + (closes && !begins ? (load_index[0] ? periods_1 : periods_0) : 32'd0) - {31'd0, period_taken};
+                   + (closes ? (load_index[0] ? periods_1 : periods_0) : 32'd0) - {31'd0, period_taken};
         if (load && load_space < 3'd4) held[of_bank] <= 1'b0;
         if (closes) held[load_index[0]] <= 1'b1;
         if (point_bank != oldest && feed_bank != oldest) begin

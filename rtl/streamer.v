@@ -16,20 +16,20 @@
  * Latency   17 cycles a step up to degree 2, 24 for degree 3, whatever the dimension, if points are taken at once;
  *           with AHEAD a point up to 60 cycles after the one before is taken.
  * Flags     faults, of the latest run, unknown before the first: [0] overflow: a step turns too much (exact_step.v),
- *           [1] and [2] never, [3] too_far: an axis would move by more than the largest step, [4] beyond: an axis
- *           would leave its limits. A point with or after a fault never leaves. outside: a bank was not closed, see
- *           banks.v.
+ *           or the feed goes on beyond the path by more than the largest step that fits, [1] and [2] never, [3]
+ *           too_far: an axis would move by more than the largest step, [4] beyond: an axis would leave its limits. A
+ *           point with or after a fault never leaves. outside: a bank was not closed, see banks.v.
  * outputs: bits that are loaded with a piece; those of a beat belong to the piece in which the period that leads to
  * its point ends. The first beat of a run and a void one have none.
  *
- * go is sampled while busy and stop are low and bank 0 is closed. Points leave by a valid/ready handshake; last marks
- * the final beat of a run, stopped a void one, which repeats the point before. done is high for one cycle after the
- * final beat has been taken, never with busy. A distance of 0 is legal: the tool rests. rate is the feed override, 0
- * to 256; it is sampled once a period, while sampled is high (unknown before the first go), and followed within the
- * limits: feed_override.v. stop: the tool slows down on its path, and a void beat ends the run where it rests; so it
- * does when a bank is loaded whose curve would leave the limits or whose feed would exceed the largest step. A fault
- * ends the run at once: the next point is then unknown, or it contradicts the bounds of its bank, so no motion on the
- * path is known that could brake.
+ * go is sampled while busy, stop, load and close are low and bank 0 is closed. Points leave by a valid/ready
+ * handshake; last marks the final beat of a run, stopped a void one, which repeats the point before. done is high for
+ * one cycle after the final beat has been taken, never with busy. A distance of 0 is legal: the tool rests. rate is
+ * the feed override, 0 to 256; it is sampled once a period, while sampled is high (unknown before the first go), and
+ * followed within the limits: feed_override.v. stop: the tool slows down on its path, and a void beat ends the run
+ * where it rests; so it does when a bank is loaded whose curve would leave the limits or whose feed would exceed the
+ * largest step. A fault ends the run at once: the next point is then unknown, or it contradicts the bounds of its
+ * bank, so no motion on the path is known that could brake.
  * Load bus:
  *   space 0  {piece[5:0], word[2:0]}: 0 to 4 coefficients of |C'|^2, 5 the reciprocal root at t = 0, 6 length,
  *            7 {outputs[3:0], shift[5:0]}
@@ -122,7 +122,7 @@ module streamer #(
     assign busy = state != IDLE;
     wire clear  = rst || state == CLOSE;
     reg  stopping;
-    assign begins = go && !busy && !stop && closed[0];
+    assign begins = go && !busy && !stop && !load && !close && closed[0];
     wire free   = !valid || ready;
     wire idle   = state == RUN; // nothing on its way out
     reg  flying;                // a point is to come that has not been taken
@@ -156,10 +156,13 @@ module streamer #(
     reg [5:0]      shift, next_shift, piece;           // piece in which the period ends; ahead is the next one
     reg [3:0]      bits, next_bits;                    // its outputs
     reg            anew, is_last, is_cut;
+    reg            past;                               // beyond the end, by more than fits a step
     reg            fetched;                            // all of the next piece; fetching is the cycle of that
     wire [4:0]     last_of   = ahead[5] ? last_piece[9:5] : last_piece[4:0];
     reg            no_more;                            // this piece is the last one of the job
-    wire           passes    = along >= length && !no_more;
+    wire           reached   = along >= length;
+    wire           passes    = reached && !no_more;
+    wire [63:0]    rest      = along - length;
 
     // ---- The step.
 
@@ -171,7 +174,7 @@ module streamer #(
     wire                   arrived = step_done || waiting;
     wire                   passed  = !arrived || (idle && !over_now);
     wire                   step    = settled && !step_busy && !over && passed;
-    reg                    now_anew, now_last, now_cut;
+    reg                    now_anew, now_last, now_cut, now_past;
     reg  [WORD-2:0]        now_root, now_ds;
     reg  [5:0]             now_shift;
     reg  [3:0]             now_bits;
@@ -202,10 +205,11 @@ module streamer #(
             anew      <= 1'b0;
         end
         if (comparing) begin
+            past <= reached && no_more && !is_last && |rest[63:WORD+10];
             if (!passes) {comparing, settled} <= 2'b01;
             else if (fetched) begin
-                along     <= along - length;
-                moved     <= along - length;
+                along     <= rest;
+                moved     <= rest;
                 length    <= next_length;
                 root      <= next_root;
                 shift     <= next_shift;
@@ -228,6 +232,7 @@ module streamer #(
             now_bits  <= bits;
             now_last  <= is_last;
             now_cut   <= is_cut;
+            now_past  <= past;
         end
         waiting <= arrived && !idle;
         if (over_now) over <= 1'b1;
@@ -289,7 +294,7 @@ module streamer #(
                 point_bits  <= now_bits;
             end else if (arrived && !over_now) begin
                 state         <= EVALUATE;
-                overflow      <= unsettled;
+                overflow      <= unsettled || now_past;
                 point_t       <= t_next[TW-1] ? {WORD-1{1'b1}} : t_next[12+:WORD-1];
                 point_piece   <= now_piece;
                 point_bits    <= now_bits;

@@ -72,7 +72,9 @@ def walk(program, override, commands):
             t, y = 0, pieces[number].root
         outputs = pieces[number].outputs
         t, y, h = advance(pieces[number], t, y, round_shift(moved, S_GUARD), bits, names[number][1])
-        if not -1 << bits - 8 <= h < 1 << bits - 8 and not override.arrived:
+        settled = -1 << bits - 8 <= h < 1 << bits - 8
+        past = along - pieces[number].length >= 1 << bits + 11  # the end, by more than fits a step
+        if (past or not settled) and not override.arrived:
             raise Fault("overflow")
     if override.arrived:
         point = program.end

@@ -14,7 +14,7 @@
         calm      <= !rst;
         done_was  <= done;
         close_was <= close && !rst;
-        good_was  <= there[3:0] == 4'hF && there[6:4] == 0 && there[7] && !bad;
+        good_was  <= there[3:0] == 4'hF && there[7] && !bad;
         named     <= load_index[0];
     end
     reg [1:0] age = 0;

@@ -70,6 +70,7 @@
     end
     always @* if (!fresh_rst && !rst) begin
         assert (!(busy && done) && no_run == !busy);
+        if (begins) assert (!load && !close && !stop);
         if (waits) assert (valid && {beat, last} == beat_was);
         if (done) assert (ended && ran && !valid);
         if (valid) assert (busy && (last || !stopped));

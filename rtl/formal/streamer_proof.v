@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /*
  * streamer, with anything at all in place of its arithmetic, its tables and its limits: a beat that is offered holds
- * still until it is taken; exactly one of a run is the last, done comes once, after it; no point leaves that raised a
- * flag, or that was not compared for two cycles as it is; a void beat repeats the point before; each distance is moved
- * once, in its turn, and none is taken after the last; outputs are those loaded with the piece of the beat. In runs of
- * any length.
+ * still until it is taken; no run begins with a write or a close; exactly one beat of a run is the last, done comes
+ * once, after it; no point leaves that raised a flag, or that was not compared for two cycles as it is; a void beat
+ * repeats the point before; each distance is moved once, in its turn, and none is taken after the last; outputs are
+ * those loaded with the piece of the beat. In runs of any length.
  */
 module streamer_proof #(
     parameter AHEAD = 0
@@ -13,14 +13,16 @@ module streamer_proof #(
     input wire       again,
     input wire       go,
     input wire       stop,
+    input wire       load,
+    input wire       close,
     input wire [8:0] rate,
     input wire       ready
 );
     reg started = 0;
     always @(posedge clk) started <= 1;
     streamer #(.WORD(25), .DIM(2), .AHEAD(AHEAD)) dut (
-        .clk(clk), .rst(!started || again), .load(1'b0), .load_space(3'd0), .load_index(10'd0), .load_data(64'd0),
-        .go(go), .stop(stop), .rate(rate), .ready(ready), .close(1'b0)
+        .clk(clk), .rst(!started || again), .load(load), .load_space(3'd0), .load_index(10'd0), .load_data(64'd0),
+        .go(go), .stop(stop), .rate(rate), .ready(ready), .close(close)
     );
 endmodule
 
