@@ -29,7 +29,7 @@ DEFECTS = {
     "stepper": ("DRAIN: if (ready)", "DRAIN: if (valid)"),
     "load_guard": ("of_run && index == 10'd4", "of_run && index[2:0] == 3'd4"),
     "axil_slave": ("if (s_axil_rready)", "if (s_axil_rready || s_axil_arvalid)"),
-    "nurbs_interpolator": ("(write_at == LOAD_AT && writable)", "write_at == LOAD_AT"),
+    "nurbs_interpolator": ("write_at == LOAD_AT && writable &&", "write_at == LOAD_AT &&"),
     "step_dir": ("forward ? next - modulus", "forward ? -half"),
     "soft_limits": ("{WORD+1{move[WORD]}}", "{WORD+1{1'b0}}"),
     "banks": ("!busy || (load_space != 3'd5 && !closed[of_bank])", "!busy || load_space != 3'd5"),
@@ -58,7 +58,7 @@ MORE = [
     ("step_dir", "one = drops ? 4'sd0 :", "one ="),
     ("load_guard", "degree > 3'd5", "degree > 3'd6"),
     ("load_guard", "light || !unit_fits", "!unit_fits"),
-    ("load_guard", "(index != 10'd0 && falls)", "1'b0"),
+    ("load_guard", "(begins || falls || ", "(begins || "),
     ("nurbs_interpolator", "&& !busy && permit && !halt)", "&& !busy && !halt)"),
     ("nurbs_interpolator", "&& permit && !halt)", "&& permit)"),
     ("nurbs_interpolator", "stop     = halt || (", "stop     = (halt && !busy) || ("),
@@ -105,7 +105,7 @@ MORE = [
         "load_space == 3'd1 || load_space == 3'd2 ? load_index[9]",
         "load_space == 3'd2 ? load_index[9]",
     ),
-    ("banks", "bounds == ALL && !leaves", "bounds == ALL"),
+    ("banks", "(bounds & ALL) == ALL && !leaves", "(bounds & ALL) == ALL"),
     ("banks", "8'hBF : 8'h8F", "8'h3F : 8'h0F"),
     ("soft_limits", "load_data > largest_step", "load_data >= largest_step"),
     ("soft_limits", "assign outside[i] = below || above;", "assign outside[i] = above;"),
@@ -137,6 +137,9 @@ MORE = [
     ("axes", "outputs <= !fresh ? 4'd0 : moved", "outputs <= moved"),
     ("axes", "bits   <= s_axis_tuser[4:1];", "bits   <= s_axis_tuser[3:0];"),
     ("nurbs_interpolator", "(permitted && !permit);", "(permitted && !permit && busy);"),
+    ("streamer", "!load && !close && closed[0]", "closed[0]"),
+    ("load_guard", "begins || falls ||", "falls ||"),
+    ("load_guard", "&& counts && closed", "&& closed"),
 ]
 #: The parameter sets of each proof.
 SETS = {name: [*sets, *LONG.get(name, [])] for name, (_, _, sets) in PROOFS.items()}

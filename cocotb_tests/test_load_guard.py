@@ -17,8 +17,10 @@ def test_load_guard():
 
 
 WRONG = {
-    "a knot below the one before": (0, 4, 0),
-    "a knot above 1": (0, 4, ONE + 1),
+    "a knot below the one before": (0, 1, 0),
+    "a knot before its turn": (0, 2, ONE),
+    "a coordinate before its turn": (2, 4, 0),
+    "a knot above 1": (0, 1, ONE + 1),
     "too many knots": (0, 70, ONE),
     "a reciprocal of level 6": (1, 5 << 7, 1),
     "a coordinate too large": (2, 0, 1 << 34),
@@ -53,7 +55,9 @@ async def every_mistake_is_seen(dut):
     await reset(dut)
     good = build_program(paper.CURVE, constant_feed(paper.CURVE.length(), 4.0, 1e-3), 1e-3, 2000).batches()[0]
     good += [(4, 1, (1 << 61) - 1), (4, 2, -(1 << 61)), (4, 4, (1 << 32) - 1)]  # the largest that are right
-    good += [(2, 3, ONE >> 10), close_load([*good, (2, 3, ONE >> 10)])]  # the smallest weight
+    good = [(*at, ONE >> 10 if at == [2, 3] else data) for *at, data in good]  # the smallest weight
+    good.append(close_load(good))
+    begun = [(0, 0, ONE), (2, 0, 0), (2, 1, 0)]
 
     async def write(writes):
         dut.load.value = 1
@@ -70,17 +74,19 @@ async def every_mistake_is_seen(dut):
         dut.clear.value = 0
         await write(good)
         assert (dut.bad.value, dut.ready.value) == (0, 1), name
-        await write([wrong] if wrong[0] == 7 and not wrong[2] else [(0, 9, ONE), wrong])
+        await write([wrong] if wrong[0] == 7 and not wrong[2] else [*begun, wrong])
         assert (dut.bad.value, dut.ready.value) == (1, 0), name
         await write(good)
         assert dut.bad.value == 1, "bad is sticky"
 
-    # What a run needs: without one of it nothing is ready, whatever else is loaded.
-    needed = [(3, 0), (3, 1), (3, 2), (4, 0), (5, 0), (5, 4), *((5, 8 + i) for i in range(4))]
+    # What a run needs: without one of it nothing is ready, whatever else is loaded, before it and with it.
+    turns = {write[:2] for write in good if write[0] in (0, 2)}
+    latest = {(0, 9), (2, 27)}  # the others are missed by the one that comes next
+    needed = [*turns, (3, 0), (3, 1), (3, 2), (4, 0), (5, 0), (5, 4), *((5, 8 + i) for i in range(4))]
     for name in (None, *needed):
         kept = [write for write in (*good[:-1], (5, 12, 0), (5, 13, 1)) if write[:2] != name]
         dut.clear.value = 1
         await RisingEdge(dut.clk)
         dut.clear.value = 0
         await write([*kept, close_load(kept)])
-        assert (dut.bad.value, dut.ready.value) == (0, name is None), name
+        assert (dut.bad.value, dut.ready.value) == (name in turns - latest, name is None), name

@@ -2,17 +2,19 @@
 /*
  * Watches the load bus: a curve that cannot be right raises bad, and ready tells that a run has all it needs.
  *
- * What it knows: knots come in order, from 0 to 1, and do not decrease; weights are from 1/1024 to 1; numbers fit
- * their words; the degree is 1 to 5, with more points than that and no more than fit; weights only where cu divides;
- * spaces and indices exist.
+ * What it knows: knots come in the order of their indices, from 0 to 1, and do not decrease; coordinates come in the
+ * order of their indices, each point's weight after them; either may begin anew at 0. Weights are from 1/1024 to 1;
+ * numbers fit their words; the degree is 1 to 5, with more points than that and no more than fit; weights only where
+ * cu divides; spaces and indices exist.
  *
  * A load is closed by a write to space 7, index 0: {number of writes[15:0], checksum[31:0]}, both of all writes since
  * clear or the last close. The checksum of a write is the one before, turned left by one bit, xor both halves of the
  * data, xor {space, index}; it begins with 0. A wrong one raises bad, and so does one where there is nothing to
- * close. The first write after a close begins another load, which has to bring everything: a mixture of two curves is
- * never ready. Everything: the shape, both ends of u, the number of periods, a record of the feed, the largest step,
- * both limits of each axis. With EXACT, in one of the loads since clear: the shape of bank 0, the end of the job, A
- * T^2, J T^3, the distance before the first period, the reserve, the largest step and the limits.
+ * close. The first write after a close begins another load, which has to bring everything, or it is never ready: the
+ * shape, as many points and knots as it tells, both ends of u, the number of periods, a record of the feed, the
+ * largest step, both limits of each axis. With EXACT, in one of the loads since clear: the shape of bank 0, the end of
+ * the job, A T^2, J T^3, the distance before the first period, the reserve, the largest step and the limits. What is
+ * not named here is the loader's: that all reciprocals and records are there, and with EXACT all pieces.
  *
  * Format    as on the load bus of stepper.v, with the data 64 bits wide in two's complement.
  * Rounding  none.
@@ -58,11 +60,15 @@ module load_guard #(
     localparam [31:0] LAST_KNOT  = MAX_POINTS + 5;
 
     reg [WORD-2:0] knot_before;
+    reg [6:0]      next_knot;  // index that comes next
+    reg [8:0]      next_place; // the same of a coordinate or weight
+    reg [8:0]      shape;      // last point, degree
     reg [11:0]     seen;   // of what a run needs, in the order of now
     reg            closed;
     reg [15:0]     count;
     reg [31:0]     checksum;
 
+    wire begins    = closed; // another load
     wire zero      = data == 64'd0;
     wire word_fits = data[63:WORD-1] == {65-WORD{1'b0}};
     // At most 1: the bit of 1 alone, or none of it.
@@ -72,14 +78,18 @@ module load_guard #(
     wire falls       = data[WORD-2:0] < knot_before;
     wire [2:0] degree = data[2:0];
     wire [6:0] last   = data[9:3];
+    // The index after this one: of the same point, or of the next.
+    wire [8:0] after = index[8:0] + (index[1:0] == 2'd1 && DIM == 2 ? 9'd2 : 9'd1);
     wire wrong_close = closed || count == 16'd0 || data != {16'd0, count, checksum};
     reg  wrong;
     always @* if (EXACT != 0) wrong = space == 3'd4 || space == 3'd6
                                       || (space == 3'd7 && (index > 10'd1 || wrong_close));
     else case (space)
-        3'd0: wrong = index > LAST_KNOT[9:0] || !unit_fits || (index != 10'd0 && falls);
+        3'd0: wrong = index > LAST_KNOT[9:0] || !unit_fits
+                      || (index != 10'd0 && (begins || falls || index[6:0] != next_knot));
         3'd1: wrong = index[9:7] > 3'd4 || index[6:0] >= LAST_KNOT[6:0] || |data[63:WORD+3];
-        3'd2: wrong = index[9:2] > LAST_POINT[7:0] || (index[1:0] == 2'd3 ? light || !unit_fits : !signed_fits);
+        3'd2: wrong = index[9:2] > LAST_POINT[7:0] || (index != 10'd0 && (begins || index[8:0] != next_place))
+                      || (index[1:0] == 2'd3 ? light || !unit_fits : !signed_fits);
         3'd3: wrong = index > 10'd2 || (index != 10'd0 ? !unit_fits
                     : |data[63:11] || (RATIONAL == 0 && data[10]) || degree == 3'd0 || degree > 3'd5
                       || last > LAST_POINT[6:0] || last < {4'd0, degree});
@@ -102,16 +112,20 @@ module load_guard #(
     wire [2:0]  and_now = {of_run && index == 10'd7, of_run && index == 10'd14, space == 3'd3 && index == 10'd3};
     reg  [2:0]  and_seen;  // with EXACT: more of them
     localparam [11:0] NEEDS = DIM == 3 ? 12'hFFF : 12'h3FF;
-    assign ready = (seen & NEEDS) == NEEDS && (EXACT == 0 || (and_seen[2:1] == 2'b11 && (and_seen[0] || DIM == 2)))
-                   && closed && !bad;
-    wire        begins = closed; // another load
+    wire        counts  = EXACT != 0 ? and_seen[2:1] == 2'b11 && (and_seen[0] || DIM == 2)
+                          : next_place == {{1'b0, shape[8:3]} + 7'd1, 2'd0}
+                            && next_knot == {1'b0, shape[8:3]} + {4'd0, shape[2:0]} + 7'd2;
+    assign ready = (seen & NEEDS) == NEEDS && counts && closed && !bad;
     assign      closes = load && space == 3'd7 && !wrong && !bad;
     wire [31:0] former = begins ? 32'd0 : checksum;
 
     always @(posedge clk) begin
         if (load) begin
             if (wrong) bad <= 1'b1;
-            if (space == 3'd0) knot_before <= data[WORD-2:0];
+            if (begins) {next_knot, next_place} <= 16'd0;
+            if (space == 3'd0) {next_knot, knot_before} <= {index[6:0] + 7'd1, data[WORD-2:0]};
+            if (space == 3'd2) next_place <= after;
+            if (space == 3'd3 && index == 10'd0) shape <= data[8:0];
             closed   <= space == 3'd7;
             seen     <= begins && EXACT == 0 ? now : seen | now;
             and_seen <= and_seen | and_now;
@@ -120,6 +134,7 @@ module load_guard #(
         end
         if (rst || clear) begin
             knot_before <= {WORD-1{1'b0}};
+            {next_knot, next_place} <= 16'd0;
             bad      <= 1'b0;
             closed   <= 1'b0;
             seen     <= 12'd0;

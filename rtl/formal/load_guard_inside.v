@@ -35,11 +35,15 @@
         endcase
         else if (space == 7) right = index == 0;
     end
-    wire ordered = EXACT != 0 || space != 0 || index == 0 || number >= $signed({1'b0, knot_latest});
-
     reg         open = 1, good = 1, began = 0; // nothing closed since; no mistake since clear; a reset was
     reg [15:0]  writes = 0;                    // since clear or the latest close
     reg [31:0]  sum = 0;
+    // Knots, and points (DIM coordinates and a weight), that have come in their turn since the latest index 0.
+    reg  [7:0] knots = 0, points = 0;
+    reg  [1:0] part_now = 0;                                    // of the point that is under way: what comes next
+    wire       in_turn = space == 0 ? open && index == knots : space != 2 || (open && index == 4 * points + part_now);
+    wire       ordered = EXACT != 0 || index == 0
+                         || (in_turn && (space != 0 || number >= $signed({1'b0, knot_latest})));
     wire [31:0] sum_before = open ? sum : 0;
     wire        closing = space == 7;
     wire        matches = open && writes != 0 && data == {16'd0, writes, sum};
@@ -51,9 +55,19 @@
     wire        whole = of_3[0] && of_3[1] && of_3[2] && of_5[4] && &of_5[11:8] && (DIM == 2 || &of_5[13:12])
                         && (EXACT != 0 ? of_5[5] && of_5[6] && of_5[7] && of_5[14] && (DIM == 2 || of_3[3])
                                        : of_5[0] && of_4[0]);
+    reg  [8:0]  told = 0; // last point and degree
+    wire [7:0]  end_of = told / 8;
+    wire        every = EXACT != 0 || (points == end_of + 1 && part_now == 0 && knots == end_of + told % 8 + 2);
     always @(posedge clk) begin
         began <= 1;
         if (load) begin
+            if (!open) {knots, points, part_now} <= 0;
+            if (space == 0) knots <= index + 1;
+            if (space == 2) begin
+                points   <= index / 4 + (index % 4 == 3);
+                part_now <= index % 4 == 3 ? 0 : index % 4 == DIM - 1 ? 3 : index % 4 + 1;
+            end
+            if (space == 3 && index == 0) told <= data;
             good   <= good && right && ordered && (!closing || matches);
             open   <= !closing;
             writes <= open ? writes + 1 : 1;
@@ -63,19 +77,21 @@
         end
         if (rst || clear) begin
             {open, good} <= 2'b11;
-            {writes, sum, here, knot_latest} <= 0;
+            {writes, sum, here, knot_latest, knots, points, part_now} <= 0;
         end
     end
     wire keeps = began && !rst;
     always @* if (keeps) begin
         assert (bad == !good);
-        assert (ready == (!open && good && whole));
+        assert (ready == (!open && good && whole && every));
         assert (closes == (load && closing && right && matches && good));
         // What makes these inductive.
         assert (closed == !open && count == writes && checksum == sum && knot_before == knot_latest);
+        if (EXACT == 0 && good)
+            assert (next_knot == knots && next_place == 4 * points + part_now && (!here[48] || shape == told));
         assert (seen == {of_5[13:8], of_5[4], of_3[0], of_3[1], of_3[2], EXACT != 0 ? of_5[5] : of_5[0],
                          EXACT != 0 ? of_5[6] : of_4[0]});
         assert (EXACT == 0 || and_seen == {of_5[7], of_5[14], of_3[3]});
-        cover (ready && writes == 13);
+        cover (ready && writes == (EXACT != 0 ? 13 : 20));
         cover (!good && writes == 3);
     end
