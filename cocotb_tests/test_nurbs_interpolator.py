@@ -157,6 +157,7 @@ async def registers(dut):
         await machine.read(SHAPE) == machine.rational << 31 | dut.MAX_POINTS.value.to_unsigned() << 24 | low
     )
     assert await machine.read(CYCLES_HIGH) == 0
+    assert await machine.write(LOAD_AT, 1 << 13) == AxiResp.SLVERR
     plan = machine.planned(random_curve(machine.rng, 2, machine.dim, rational=False), 10)
     await machine.start(plan)
     assert await machine.write(LOAD_AT, 0) == AxiResp.SLVERR

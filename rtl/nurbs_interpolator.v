@@ -109,7 +109,8 @@ module nurbs_interpolator #(
                            && (data[2:0] == 3'b100 || data[2:0] == 3'b010
                                || (data[2:0] == 3'b001 && !busy && permit && !halt));
     wire        allowed  = orders || write_at == LOAD_LOW || write_at == LOAD_HIGH
-                           || (write_at == LOAD_AT && writable) || (write_at == OVERRIDE && SLOPE == 1);
+                           || (write_at == LOAD_AT && writable && data[31:13] == 19'd0)
+                           || (write_at == OVERRIDE && SLOPE == 1);
     wire        readable = read_at <= (SLOPE == 1 ? OVERRIDE : CYCLES_HIGH);
     wire        go       = write && write_at == CONTROL && data[0];
     reg         permitted;
@@ -153,7 +154,6 @@ module nurbs_interpolator #(
     generate if (SLOPE == 1) begin : exact
         wire [WORD+4:0] position;
         wire            sampled;
-        wire            unused = &{1'b0, sampled};
         streamer #(.WORD(WORD), .DIM(DIM), .AHEAD(AHEAD)) streamer_inst (
             .clk(clk), .rst(rst || forget), .load(load), .load_space(data[12:10]), .load_index(data[9:0]),
             .load_data(number), .go(go && loaded), .stop(stop), .rate(rate), .sampled(sampled), .resting(resting),
@@ -162,7 +162,9 @@ module nurbs_interpolator #(
             .outputs(m_axis_tuser[4:1]), .writable(writable), .close(closes),
             .closed(held), .outside(outside), .starved(starved)
         );
-        assign u = {{35-WORD{1'b0}}, position};
+        wire [40:0]     wide = {{36-WORD{1'b0}}, position};
+        wire            unused = &{1'b0, sampled, wide[40]};
+        assign u = wide[39:0];
     end else begin : paper
         wire [WORD-2:0] parameter_out;
         assign {resting, starved, outside, held} = 5'b00001;
