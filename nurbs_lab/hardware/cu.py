@@ -246,6 +246,11 @@ def cu_error_bound(curve, loaded: LoadedCurve) -> np.ndarray:
     curve : NurbsCurve
     loaded : LoadedCurve
         The same curve, from ``load_curve``.
+
+    Returns
+    -------
+    numpy.ndarray, shape (dim,)
+        Infinite where a knot difference is no more than a last place of u.
     """
     as_kind("curve", curve, NurbsCurve)
     as_kind("loaded", loaded, LoadedCurve)
@@ -262,6 +267,8 @@ def cu_error_bound(curve, loaded: LoadedCurve) -> np.ndarray:
         rows = np.column_stack([weight[:, None] * (points - points.min(axis=0) - spread), weight])
         after = span + 1  # apart: the knot differences that each level of the recurrence divides by
         apart = [knots[after : after + n] - knots[after - n : after] for n in range(1, degree + 1)]
+        if min(d.min() for d in apart) <= place:
+            return np.full(curve.dim, np.inf)
         slope = (np.abs(np.diff(rows, axis=0)) / apart[-1][:, None]).max(axis=0)
         moved = sum(place * (0.5 + d.max() + 0.5 * d.sum()) for d in apart)
         doubt = sum(place * (2 + 1 / (d.min() - place) + len(d)) for d in apart)

@@ -140,10 +140,9 @@ def _run(job, *, slope="quotient", format: Format = SHIPPED):
         program = build_program(job.curve, job.feed, job.period_s, job.last_step, format=format)
     run = simulate_path(program)
     if run.flags:
-        raise ValueError(
-            f"the hardware stopped after {len(run.u)} points with {', '.join(run.flags)}; a shorter period "
-            "may pass an overflow, a longer one a division by zero"
-        )
+        cures = {"overflow": "; a shorter period may pass it", "by_zero": "; a longer period may pass it"}
+        flags = ", ".join(flag + cures.get(flag, "") for flag in run.flags)
+        raise ValueError(f"the hardware stopped after {len(run.u)} points with {flags}")
     details = {"cycles": np.diff(run.clocks, prepend=0)[:-1], "total_cycles": run.cycles}
     steps = len(run.u) - 1  # the first three after the start take six more points, by Runge-Kutta
     evaluations = (steps + 1, steps) if slope == "exact" else (steps + 6 * min(steps, STARTED) - 5, 0)
@@ -155,7 +154,7 @@ def steps_of(program, curve, run, evaluations, details):
     u = program.from_positions(run.u)
     points = np.ldexp(np.array(run.points, float), -program.point_fraction)[:, : curve.dim]
     if isinstance(program, ExactProgram) and (curve.rational or curve.degree > 3):
-        for _ in range(2):  # the pieces only lie near the curve
+        for _ in range(20):  # the pieces only lie near the curve; beside weights of 1/1000 it takes 11
             slopes = curve.derivative(u)
             u += np.sum((points - curve(u)) * slopes, axis=1) / np.sum(slopes**2, axis=1)
             u = np.clip(u, *curve.domain)

@@ -1,5 +1,6 @@
 """Compile the Verilog and run it from Python, under Icarus Verilog."""
 
+import atexit
 import shutil
 import subprocess
 import tempfile
@@ -117,6 +118,7 @@ def simulate(bench: str, parameters: dict, **inputs: list[str]) -> list[str]:
 def _compile(bench: str, parameters: tuple) -> tempfile.TemporaryDirectory:
     """A folder with ``run.vvp`` for each bench and its parameters, removed at the end of the process."""
     folder = tempfile.TemporaryDirectory(prefix="nurbs_lab-")
+    atexit.register(folder.cleanup)
     benches, sources = _HERE / "benches", sorted(rtl_folder().glob("*.v"))
     overrides = [f"-P{bench}.{name}={value}" for name, value in parameters]
     options = ["-g2005", "-y", str(benches), "-s", bench, *overrides, "-o", "run.vvp"]

@@ -68,6 +68,12 @@ def test_cu_keeps_its_bound_and_the_bound_is_not_loose(curve, word):
     assert np.all(bound <= (5 if curve is nl.paper.CURVE else 250) * worst)
 
 
+def test_a_span_of_one_last_place_has_no_bound():
+    knots = [0, 0, 0, 0, 0.5, 0.5 + 2.0**-15, 0.7, 0.8, 1, 1, 1, 1]
+    curve = nl.NurbsCurve(3, knots, np.column_stack([np.arange(8.0), np.arange(8) % 2]))
+    assert np.all(np.isinf(cu_error_bound(curve, load_curve(curve, Format(17)))))
+
+
 def test_two_bits_of_word_buy_a_factor_of_four():
     feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3)
     words = range(21, 36, 2)
