@@ -202,7 +202,9 @@ def test_a_copy_with_a_prefix_stands_beside_modules_of_the_same_names(tmp_path):
     subprocess.run(["bash", "-ec", script], cwd=tmp_path, check=True)
     copies = sorted((tmp_path / "exports" / "rtl").glob("*.v"))
     for slope in (0, 1):
-        assert icarus("nurbs_nurbs_interpolator", {"SLOPE": slope}, *copies, *RTL.glob("*.v")) == ""
+        assert icarus("nurbs_nurbs_interpolator", {"SLOPE": slope}, *copies, *VERILOG) == ""
+    for module in ("axes", "inputs", "board_registers"):
+        assert icarus(f"nurbs_{module}", {}, *copies, *VERILOG) == ""
 
 
 def test_the_core_file_of_fusesoc_lists_every_module_and_knows_its_parameters():

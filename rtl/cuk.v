@@ -8,8 +8,9 @@
  * Latency   from start to done, while u stays in its span: 2 + max(p (p + 1) / 2, 3) + p (p + 1) / 2 + (p + 1) per
  *           coordinate for degree p; with weights (p + 1) for the weight and the first coordinate each, and a
  *           division per coordinate. A change of span costs 3 cycles and 2 for each halving of the spans.
- * Flags     out_of_range: u + shift lay outside the domain, the point is that of the nearer end; overflow and
- *           by_zero: of the division by the weight. All three are of the latest point.
+ * Flags     out_of_range: u + shift lay outside the domain, the point is that of the nearer end; a sum below 0 is
+ *           taken as 0, which is no flag where the domain begins there. overflow and by_zero: of the division by the
+ *           weight. All three are of the latest point.
  *
  * start is sampled while busy is low, and the operands with it; done is high for one cycle for each start, in their
  * order, and the point holds until another is on its way. The load bus is that of cu.

@@ -13,7 +13,7 @@
  *           t. By the loader's scale |C'|^2 is from 1/15 to 1, and its derivatives are below 15.
  * Rounding  products to nearest, halves up; p, h / 2 and the small correction downwards.
  * Latency   17 cycles from start to done for degree 2 (cubic low), 24 for degree 3.
- * Flags     unsettled: |h| is 1/16 or more, so the step turns too much for one correction.
+ * Flags     unsettled: h is 1/16 or more, or less than -1/16, so the step turns too much for one correction.
  *
  * start is sampled while busy is low; the caller holds the operands until done, which is high for one cycle.
  * coefficient asks for the coefficients of |C'|^2, which are to be on metric in the next cycle.

@@ -7,7 +7,8 @@
  *           k: WORD bits in two's complement, 8 more fraction bits than u: what u moves in 1/24 of a period.
  * Rounding  the root and the quotient each to nearest.
  * Latency   DIM + 2 cycles, the root's and the division's: 24 in the plane for 35 bits.
- * Flags     by_zero: the chord is 0; overflow: k does not fit. k is then the largest number of du's sign.
+ * Flags     by_zero: the chord is 0; overflow: k does not fit. k is then the largest number of du's
+ *           sign; the largest above 0 where the chord and s are 0.
  *
  * One multiplier gives the squares and the product in turn, then square_root, then divide.
  * start is sampled while busy is low, and the chord with it; the caller holds s and du until done, which is high for

@@ -9,15 +9,15 @@
  *              whose coming is its edge; a write clears HIT
  *   08 HIT     read: watched inputs whose edge has come
  *   0C PLACE_X 10 PLACE_Y 14 PLACE_Z  read: positions in the latest cycle in which every watched input was at its
- *              level, while HIT is 0; then they hold: they are those before the edge
+ *              level, while HIT is 0; then they hold: a cycle after the edge
  * A refused or unknown access answers SLVERR.
  *
  * Format    pins: asynchronous. positions: 32 bits an axis, as of axes.v.
  * Rounding  none.
  * Latency   a pin is seen 2 cycles late, but during rst at once: one that changes at its last edge may be read wrong.
  *           Its level changes when it has been seen away from it in BOUNCE more cycles than at it, since it was last
- *           calm: so BOUNCE + 2 cycles after a clean edge, while PLACE is that of the edge. A write takes effect 2
- *           cycles after address and data are there, a read is answered a cycle after its address.
+ *           calm: so BOUNCE + 2 cycles after a clean edge, while PLACE is of the cycle after it. A write takes effect
+ *           2 cycles after address and data are there, a read is answered a cycle after its address.
  * Flags     halt: HIT is not 0.
  */
 `default_nettype none
