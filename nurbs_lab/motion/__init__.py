@@ -77,7 +77,7 @@ STEPS (_scurve_problem)                 1000     60: a spline at 1e4 mm/s takes 
 _PART (scurve), of accelerations        0.5      0.25: 1.2 x the Newton steps on polylines
 _STAGES (_scurve_problem), weights      3        0: 1 more of 18 ends that move is refused; 6: 4 x the time
 _PULLS (_scurve_problem), of a cell     1 to 1e4 up to 1e2: ends are refused from 0.997 of it on, not 0.9997
-_SHARPEST (scan), of the length         1e-12    1e-13: 6 of 24 near-cusps below 1e-5 are refused, not 2
+_SHARPEST (scan), of the length         1e-12    0: 12 of 24 near-cusps below 1e-12 mm are refused, not 5
 _LEAP (trace), of a step                10       4: 'adams' is refused at spans 3.6, not 8.5 times as short
 _NEARER (_verify), rounds               4        1: 3 of 10 splines 5e-5 to 5e-4 beyond a jerk of axes
 _ROUNDING (_verify), of the length      1e-13    0: a near-cusp of radius 6e-12 mm is refused

@@ -112,7 +112,7 @@ class Block:
         return factor
 
     def make_feasible(self, middle):
-        """Change a motion, in place, until it keeps every limit; a weight for `solve`, 0 if none is found.
+        """Change a motion, in place, until it keeps every limit; whether that was possible.
 
         Slowed by some factor it does. It is then made as fast as these slow ends allow, since no way on leads
         from a motion that nearly rests in between. At last the speeds of the ends grow, and the whole motion
@@ -120,9 +120,8 @@ class Block:
         """
         factor = self.infeasibility(middle)
         block, slowed, part = self._slower(factor), middle / factor**2, factor**-2.0
-        weight = block._balanced_weight(slowed)
         if not 1.0 < factor < np.inf:
-            return weight * (factor == 1.0)
+            return factor == 1.0
         for stage in range(_STAGES):
             weight = FALL**stage * block._balanced_weight(slowed)
             block.centre(slowed, weight, _NEAR * len(middle), STEPS)
@@ -132,9 +131,9 @@ class Block:
             if part == 1.0:
                 break
         middle[1:-1] = slowed[1:-1]
-        return weight * (part == 1.0 and self.is_feasible(middle))
+        return part == 1.0 and self.is_feasible(middle)
 
-    def solve(self, middle, weight, gap):
+    def solve(self, middle, gap):
         """Least time from a motion that keeps the limits, in place; the weight on their room that remains.
 
         The weight falls by `FALL` from stage to stage, which makes log(1 / gap) / log(1 / FALL) stages and
@@ -143,7 +142,7 @@ class Block:
 
         The time is above the least one by less than the part ``gap`` of it; seen: a fiftieth of that.
         """
-        block = self
+        block, weight = self, self._balanced_weight(middle)
         while weight * 8.0 * len(middle) > gap * self.time(middle):
             block.centre(middle, weight, _NEAR * len(middle), STEPS)
             block, weight = block._for_phases(middle), weight * FALL
