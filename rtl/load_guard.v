@@ -60,8 +60,8 @@ module load_guard #(
     localparam [31:0] LAST_KNOT  = MAX_POINTS + 5;
 
     reg [WORD-2:0] knot_before;
-    reg [6:0]      next_knot;  // index that comes next
-    reg [8:0]      next_place; // the same of a coordinate or weight
+    reg [6:0]      latest_knot;  // its index, or all ones
+    reg [8:0]      latest_place; // the same of a coordinate or weight
     reg [8:0]      shape;      // last point, degree
     reg [11:0]     seen;   // of what a run needs, in the order of now
     reg            closed;
@@ -78,15 +78,16 @@ module load_guard #(
     wire falls       = data[WORD-2:0] < knot_before;
     wire [2:0] degree = data[2:0];
     wire [6:0] last   = data[9:3];
-    // The index after this one: of the same point, or of the next.
-    wire [8:0] after = index[8:0] + (index[1:0] == 2'd1 && DIM == 2 ? 9'd2 : 9'd1);
+    // The indices that come next, of the same point, or of the next.
+    wire [6:0] next_knot  = latest_knot + 7'd1;
+    wire [8:0] next_place = latest_place + (latest_place[1:0] == 2'd1 && DIM == 2 ? 9'd2 : 9'd1);
     wire wrong_close = closed || count == 16'd0 || data != {16'd0, count, checksum};
     reg  wrong;
     always @* if (EXACT != 0) wrong = space == 3'd4 || space == 3'd6
                                       || (space == 3'd7 && (index > 10'd1 || wrong_close));
     else case (space)
-        3'd0: wrong = index > LAST_KNOT[9:0] || !unit_fits
-                      || (index != 10'd0 && (begins || falls || index[6:0] != next_knot));
+        3'd0: wrong = index == LAST_KNOT[9:0] + 10'd1 || !unit_fits
+                      || (index != 10'd0 && (begins || falls || index != {3'd0, next_knot}));
         3'd1: wrong = index[9:7] > 3'd4 || index[6:0] >= LAST_KNOT[6:0] || |data[63:WORD+3];
         3'd2: wrong = index[9:2] > LAST_POINT[7:0] || (index != 10'd0 && (begins || index[8:0] != next_place))
                       || (index[1:0] == 2'd3 ? light || !unit_fits : !signed_fits);
@@ -113,8 +114,8 @@ module load_guard #(
     reg  [2:0]  and_seen;  // with EXACT: more of them
     localparam [11:0] NEEDS = DIM == 3 ? 12'hFFF : 12'h3FF;
     wire        counts  = EXACT != 0 ? and_seen[2:1] == 2'b11 && (and_seen[0] || DIM == 2)
-                          : next_place == {{1'b0, shape[8:3]} + 7'd1, 2'd0}
-                            && next_knot == {1'b0, shape[8:3]} + {4'd0, shape[2:0]} + 7'd2;
+                          : latest_place == {1'b0, shape[8:3], 2'd3}
+                            && latest_knot == {1'b0, shape[8:3]} - {4'hF, ~shape[2:0]}; // the sum, and 1
     assign ready = (seen & NEEDS) == NEEDS && counts && closed && !bad;
     assign      closes = load && space == 3'd7 && !wrong && !bad;
     wire [31:0] former = begins ? 32'd0 : checksum;
@@ -122,9 +123,9 @@ module load_guard #(
     always @(posedge clk) begin
         if (load) begin
             if (wrong) bad <= 1'b1;
-            if (begins) {next_knot, next_place} <= 16'd0;
-            if (space == 3'd0) {next_knot, knot_before} <= {index[6:0] + 7'd1, data[WORD-2:0]};
-            if (space == 3'd2) next_place <= after;
+            if (begins) {latest_knot, latest_place} <= 16'hFFFF;
+            if (space == 3'd0) {latest_knot, knot_before} <= {index[6:0], data[WORD-2:0]};
+            if (space == 3'd2) latest_place <= index[8:0];
             if (space == 3'd3 && index == 10'd0) shape <= data[8:0];
             closed   <= space == 3'd7;
             seen     <= begins && EXACT == 0 ? now : seen | now;
@@ -134,7 +135,7 @@ module load_guard #(
         end
         if (rst || clear) begin
             knot_before <= {WORD-1{1'b0}};
-            {next_knot, next_place} <= 16'd0;
+            {latest_knot, latest_place} <= 16'hFFFF;
             bad      <= 1'b0;
             closed   <= 1'b0;
             seen     <= 12'd0;

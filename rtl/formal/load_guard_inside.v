@@ -88,7 +88,8 @@
         // What makes these inductive.
         assert (closed == !open && count == writes && checksum == sum && knot_before == knot_latest);
         if (EXACT == 0 && good)
-            assert (next_knot == knots && next_place == 4 * points + part_now && (!here[48] || shape == told));
+            assert (next_knot == knots && knots < MAX_POINTS + 7 && next_place == 4 * points + part_now
+                    && (!here[48] || shape == told));
         assert (seen == {of_5[13:8], of_5[4], of_3[0], of_3[1], of_3[2], EXACT != 0 ? of_5[5] : of_5[0],
                          EXACT != 0 ? of_5[6] : of_4[0]});
         assert (EXACT == 0 || and_seen == {of_5[7], of_5[14], of_3[3]});
