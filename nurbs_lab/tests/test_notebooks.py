@@ -32,6 +32,11 @@ def test_every_code_cell_ran_in_order(notebook):
     assert counts == list(range(1, len(counts) + 1))
 
 
+def test_one_picture_stands_for_the_notebook(notebook):
+    cells = [cell for cell in code_cells(notebook) if "thumbnail" in cell["metadata"].get("tags", [])]
+    assert sum("image/png" in output.get("data", {}) for cell in cells for output in cell["outputs"]) == 1
+
+
 def test_no_error_or_stderr_is_stored(notebook):
     for cell in code_cells(notebook):
         for output in cell["outputs"]:
