@@ -24,7 +24,7 @@ PERIOD_S = 1e-3
 SPEED = 4.0
 #: Initial speed v_s, in mm/s.
 START_SPEED = 0.0
-#: Maximum chord error (the paper's bow height), in mm.
+#: Maximum chord error, in mm.
 CHORD_ERROR = 1e-3
 #: Clock of the paper's FPGA, an Altera Cyclone II EP2C8Q208, in Hz.
 CLOCK_HZ = 50e6

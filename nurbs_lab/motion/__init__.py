@@ -101,7 +101,7 @@ without (module)                                  parts whose motion takes 0.2 %
 ================================================  ======================================================
 samples beside jumps (scan)                       a corner costs 70 ms
 nodes at jumps (scurve)                           one polyline takes 277 times as long
-shortest cells, bends between nodes (scurve)      blended facets 18 % slower
+shortest cells, turns between nodes (scurve)      blended facets 18 % slower
 samples where a corner's speed begins (corners)   9, by up to 21 %
 jerk of axes at corners (corners)                 4 shorter, 3 of these beyond a limit
 stops at corners (corners)                        22 of 24 with jerks of axes, by 0.02 to 23 %; 2 of fine

@@ -9,7 +9,7 @@ logarithms of all M rooms is least, the time exceeds the least one by at most we
 
 import numpy as np
 
-from nurbs_lab.motion._scurve_kernels import factor_bands, solve_bands
+from nurbs_lab.motion._bands import factor_bands, solve_bands
 from nurbs_lab.motion._scurve_problem import FALL, STEPS
 
 #: The bound may be lower than the least time by this part.

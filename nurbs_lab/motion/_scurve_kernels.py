@@ -13,6 +13,7 @@ from math import log, sqrt
 import numpy as np
 
 from nurbs_lab.common.kernels import inlined, kernel
+from nurbs_lab.motion._bands import factor_bands, solve_bands
 
 #: Gauss points for the time of one cell.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
@@ -244,36 +245,6 @@ def _add_cell(grid, jerk, weight, i, rise, padded):
 
 
 @kernel
-def factor_bands(bands):
-    """Factors L D Lᵀ, in place, of a symmetric matrix of five diagonals: ``bands[i, k]`` is (i, i + k)."""
-    n = bands.shape[0]
-    for i in range(n):
-        bands[i, 0] = inverse = 1.0 / bands[i, 0]
-        one, two = bands[i, 1] * inverse, bands[i, 2] * inverse
-        if i + 1 < n:
-            bands[i + 1, 0] -= one * bands[i, 1]
-            bands[i + 1, 1] -= one * bands[i, 2]
-        if i + 2 < n:
-            bands[i + 2, 0] -= two * bands[i, 2]
-        bands[i, 1], bands[i, 2] = one, two
-
-
-@kernel
-def solve_bands(factors, right):
-    """Solve a system in place, by what `factor_bands` left of its matrix."""
-    n = right.size
-    for i in range(n):
-        if i + 1 < n:
-            right[i + 1] -= factors[i, 1] * right[i]
-        if i + 2 < n:
-            right[i + 2] -= factors[i, 2] * right[i]
-        right[i] *= factors[i, 0]
-    right[n - 2] -= factors[n - 2, 1] * right[n - 1]
-    for i in range(n - 3, -1, -1):
-        right[i] -= factors[i, 1] * right[i + 1] + factors[i, 2] * right[i + 2]
-
-
-@kernel
 def _border(padded, ends, middle, border):
     """Derivatives of the potential as both ends and the ordinates there grow by a part: first and second.
 
@@ -294,6 +265,47 @@ def _border(padded, ends, middle, border):
 
 
 @kernel
+def _newton_step(padded, ends, middle, pull, step):
+    """The Newton step of the ordinates, in place; that of the part, and how steeply the potential falls.
+
+    The part of the ends that is reached changes only with a ``pull`` above 0: see `centre`.
+    """
+    n = middle.size
+    gradient, hessian = padded[0][1 : n + 1], padded[1][1 : n + 1]
+    scale, border, mixed = np.zeros(n), np.zeros(n), np.empty(n)
+    first, second = _border(padded, ends, middle, border) if pull > 0.0 else (0.0, 0.0)
+    for i in range(1, n - 1):
+        scale[i] = 1.0 / sqrt(hessian[i, 0])
+    for i in range(n):
+        for k in range(min(3, n - i)):
+            hessian[i, k] *= scale[i] * scale[i + k]
+    hessian[0, 0] = hessian[n - 1, 0] = 1.0
+    factor_bands(hessian)
+    for i in range(n):
+        step[i] = -scale[i] * gradient[i]
+    solve_bands(hessian, step)
+    decrement = grown = 0.0
+    if pull > 0.0:
+        first, second = first - pull, second + pull
+        for i in range(n):
+            border[i] = mixed[i] = scale[i] * border[i]
+        solve_bands(hessian, mixed)
+        rest = first
+        for i in range(n):
+            rest += border[i] * step[i]
+            second -= border[i] * mixed[i]
+        grown = -rest / second
+        for i in range(n):
+            step[i] -= grown * mixed[i]
+        decrement = -grown * first
+    for i in range(n):
+        step[i] *= scale[i]
+        decrement -= gradient[i] * step[i]
+    step[0], step[n - 1] = grown * middle[0], grown * middle[n - 1]
+    return grown, decrement
+
+
+@kernel
 def centre(problem, middle, weight, tolerance, most, growth):
     """Newton steps on the potential, in place, from a motion that keeps all limits.
 
@@ -301,57 +313,28 @@ def centre(problem, middle, weight, tolerance, most, growth):
 
     ``growth`` is (part, pull). As long as the ends and the ordinates beside them are a part below 1 of what
     they shall be, they grow with the others, and the potential falls by ``weight * pull * log(part)``. The
-    part that is reached is returned.
+    part that is reached is returned. The pull is 0 where the part is 1.
     """
-    n, ends, (part, pull) = middle.size, problem[1], growth
+    n, ends, (part, pull) = middle.size, problem[1], (growth[0], weight * growth[1])
     squares, slopes, joined, wide = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.zeros(n + 2)
     wide[1 : n + 1] = problem[0]
     for i in range(n + 1):
         joined[i] = 1.0 / (wide[i] + wide[i + 1])
     grid, padded = (wide, joined, np.empty(n + 1)), (np.empty(n + 2), np.empty((n + 2, 3)))
-    step, scale, trial, border, before = np.empty(n), np.zeros(n), np.empty(n), np.zeros(n), ends.copy()
-    value = potential(problem, middle, weight, squares, slopes) - weight * pull * log(part)
+    step, trial, before = np.empty(n), np.empty(n), ends.copy()
+    value = potential(problem, middle, weight, squares, slopes) - pull * log(part)
     for _ in range(most):
         _model(grid, problem, middle, weight, squares, slopes, padded)
-        gradient, hessian = padded[0][1 : n + 1], padded[1][1 : n + 1]
-        rise, bend = _border(padded, ends, middle, border) if part < 1.0 else (0.0, 0.0)
-        for i in range(1, n - 1):
-            scale[i] = 1.0 / sqrt(hessian[i, 0])
-        for i in range(n):
-            for k in range(min(3, n - i)):
-                hessian[i, k] *= scale[i] * scale[i + k]
-        hessian[0, 0] = hessian[n - 1, 0] = 1.0
-        factor_bands(hessian)
-        for i in range(n):
-            step[i] = -scale[i] * gradient[i]
-        solve_bands(hessian, step)
-        decrement = grown = 0.0
-        if part < 1.0:
-            rise, bend = rise - weight * pull, bend + weight * pull
-            for i in range(n):
-                border[i] = trial[i] = scale[i] * border[i]
-            solve_bands(hessian, trial)
-            mixed = rise
-            for i in range(n):
-                mixed += border[i] * step[i]
-                bend -= border[i] * trial[i]
-            grown = -mixed / bend
-            for i in range(n):
-                step[i] -= grown * trial[i]
-            decrement = -grown * rise
-        for i in range(n):
-            step[i] *= scale[i]
-            decrement -= gradient[i] * step[i]
+        grown, decrement = _newton_step(padded, ends, middle, pull, step)
         if not decrement > tolerance * weight:
             break
-        step[0], step[n - 1] = grown * middle[0], grown * middle[n - 1]
-        fraction = min(1.0, max((1.0 / part - 1.0) / grown, -0.9 / grown)) if part < 1.0 else 1.0
+        fraction = min(1.0, max((1.0 / part - 1.0) / grown, -0.9 / grown)) if pull > 0.0 else 1.0
         while fraction > 1e-9:
             for i in range(n):
                 trial[i] = middle[i] + fraction * step[i]
             ends[:] = before * (1.0 + fraction * grown)
             found = potential(problem, trial, weight, squares, slopes)
-            found -= weight * pull * log(part * (1.0 + fraction * grown))
+            found -= pull * log(part * (1.0 + fraction * grown))
             if found <= value - 0.1 * fraction * decrement + 1e-14 * abs(value):
                 break
             fraction *= 0.5
@@ -360,10 +343,9 @@ def centre(problem, middle, weight, tolerance, most, growth):
             break
         for i in range(n):
             middle[i] = trial[i]
-        value, free = found, part < 1.0
-        before[:] = ends
+        value, before[:] = found, ends
         part *= 1.0 + fraction * grown
-        if free and part > 1.0 - 1e-12:
+        if pull > 0.0 and part > 1.0 - 1e-12:
             return 1.0
     return part
 

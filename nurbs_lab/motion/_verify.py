@@ -117,10 +117,10 @@ def _doubtful(places, rows):
     used = np.maximum.reduce([np.zeros(places.size), *(row[3] for row in rows)]).reshape(places.shape)
     at = np.clip(used.argmax(axis=1), 1, len(_INSIDE) - 2)[:, None] + [-1, 0, 1]
     left, top, right = np.take_along_axis(used, at, axis=1).T
-    bend = 2.0 * top - left - right
+    second = left - 2.0 * top + right
     with np.errstate(divide="ignore", invalid="ignore"):
-        highest = top + (right - left) ** 2 / (8.0 * bend)
-    inside = np.abs(right - left) <= 2.0 * bend
+        highest = top - (right - left) ** 2 / (8.0 * second)
+    inside = np.abs(right - left) <= -2.0 * second
     return np.take_along_axis(places, at[:, [0, 2]], axis=1)[inside & (highest > 1.0)]
 
 

@@ -50,8 +50,8 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     TypeError, ValueError
         Unknown stepper or option, a feed planned for another curve or period, a curve shorter than one step
         or with a cusp, more than 5,000,000 steps, a stepper that gives no forward step, leaps ahead by more
-        than ten times the longest step of a plan (one with an ``order``), or is late at
-        the end by a twentieth of the time, or one without ``keeps`` on a curve with a double end point.
+        than ten times the longest step of a plan (one with an ``order``), or is late at the end by a
+        twentieth of the time, or one without ``keeps`` on a curve with a double end point.
 
     Notes
     -----

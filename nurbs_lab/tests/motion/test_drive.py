@@ -65,11 +65,11 @@ def test_no_limit_is_exceeded_between_periods_or_from_period_to_period(seed):
     near = knots[np.clip(np.searchsorted(knots, u) - np.array([[1], [0]]), 0, len(knots) - 1)]
     off = np.abs(u - near).min(axis=0) > 1e-7 * np.ptp(knots)
     v, a, j = (one(t[off])[:, None] for one in (feed.speed, feed.acceleration, feed.jerk))
-    tangent, bend, rate = geometry(curve, u[off])
-    vector, change = a * tangent + v**2 * bend, j * tangent + 3 * v * a * bend + v**3 * rate
+    tangent, curvature, rate = geometry(curve, u[off])
+    vector, change = a * tangent + v**2 * curvature, j * tangent + 3 * v * a * curvature + v**3 * rate
     assert v.max() <= limits.speed * (1 + 1e-9)
     assert np.abs(v * tangent).max() <= limits.axis_speed[0] * (1 + 1e-7)
-    across = np.linalg.norm(v**2 * bend, axis=1).max()
+    across = np.linalg.norm(v**2 * curvature, axis=1).max()
     assert across <= limits.centripetal_acceleration * (1 + 1e-6)
     assert np.linalg.norm(vector, axis=1).max() <= limits.acceleration * (1 + 1e-5)
     assert np.abs(vector).max() <= limits.axis_acceleration[0] * (1 + 1e-5)
@@ -126,12 +126,14 @@ def test_where_axes_need_what_the_vector_leaves_a_linear_program_is_as_fast():
     """The largest sum of v² along the path, under the limits in the middle of every cell."""
     speed, most, axes, cells = 90.0, 3000.0, np.array([1200.0, 3200.0]), 1500
     s = np.linspace(0.0, LOOP.length(), cells + 1)
-    tangent, bend, _ = geometry(LOOP, LOOP.parameter_at(0.5 * (s[1:] + s[:-1])))
+    tangent, curvature, _ = geometry(LOOP, LOOP.parameter_at(0.5 * (s[1:] + s[:-1])))
     angle = np.arange(48) * np.pi / 24
     ways = np.column_stack([np.cos(angle), np.sin(angle)]) / most
     ways = np.vstack([ways, np.diag(1 / axes), -np.diag(1 / axes)])
     slope, level = (sparse.diags([sign, 0.5], [0, 1], shape=(cells, cells + 1)) for sign in (-0.5, 0.5))
-    rows = [sparse.diags(tangent @ way) @ slope / s[1] + sparse.diags(bend @ way) @ level for way in ways]
+    rows = [
+        sparse.diags(tangent @ way) @ slope / s[1] + sparse.diags(curvature @ way) @ level for way in ways
+    ]
     bounds = [(0, 0)] + [(0, speed**2)] * (cells - 1) + [(0, 0)]
     found = linprog(-np.ones(cells + 1), sparse.vstack(rows), np.ones(cells * len(ways)), bounds=bounds)
     v = np.sqrt(np.maximum(found.x, 0.0))
@@ -181,9 +183,9 @@ def test_no_axis_takes_more_jerk_within_a_segment_than_at_its_ends(seed):
     t = np.concatenate([feed.times[:-1] + part * np.diff(feed.times) for part in np.linspace(0.02, 0.98, 13)])
     u = curve.parameter_at(np.clip(feed.displacement(t), 0.0, curve.length()))
     t, u = (row[np.abs(u[:, None] - np.linspace(0, 1, 9)).min(axis=1) > 1e-7] for row in (t, u))
-    tangent, bend, rate = geometry(curve, u)
+    tangent, curvature, rate = geometry(curve, u)
     v, a, j = (one(t)[:, None] for one in (feed.speed, feed.acceleration, feed.jerk))
-    assert np.abs(j * tangent + 3.0 * v * a * bend + v**3 * rate).max() <= 3e4 * (1.0 + 1e-6)
+    assert np.abs(j * tangent + 3.0 * v * a * curvature + v**3 * rate).max() <= 3e4 * (1.0 + 1e-6)
 
 
 @pytest.mark.parametrize("degrees", [90.0, 30.0, 6.0, 1.0])

@@ -70,7 +70,7 @@ def test_exact_moves_what_is_commanded(curve, steps):
 
 @pytest.mark.parametrize("steps", [7, 50, 1000])
 def test_exact_on_a_line_run_through_ever_faster(steps):
-    """Closed form: s = 1000 u / (1 + 999 u). Newton alone goes to and fro where s(u) bends so."""
+    """Closed form: s = 1000 u / (1 + 999 u). Newton alone goes to and fro where s(u) is curved so."""
     line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (1, 0)], [1, 1000])
     path = nl.trace(line, 0.9999, stepper="exact", period_s=1 / steps)
     s = 0.9999 * path.t[:-1]

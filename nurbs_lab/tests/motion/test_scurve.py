@@ -27,7 +27,7 @@ def least_time(curve, end_speed, *, speed, acceleration, jerk, chord_error, peri
     h = s[1]
     caps = np.interp(s, path.lengths, path.speeds) ** 2
     slope = sparse.diags([-1.0, 1.0], [0, 1], shape=(cells, cells + 1), format="csr") / h
-    bend = (slope[1:] - slope[:-1]) / h
+    second = (slope[1:] - slope[:-1]) / h
     b = np.full(cells + 1, end_speed**2)
     level = [0, 1, -2, -1]  # no acceleration at the ends
     before = np.inf
@@ -43,7 +43,7 @@ def least_time(curve, end_speed, *, speed, acceleration, jerk, chord_error, peri
         cost[:-1] -= gain / (2.0 * v[:-1])
         most = 2.0 * jerk / v[1:-1]
         tangent = sparse.diags([0.5 * most / b[1:-1]], [1], shape=(cells - 1, cells + 1), format="csr")
-        rows = sparse.vstack([bend + tangent, tangent - bend, slope, -slope], format="csr")
+        rows = sparse.vstack([second + tangent, tangent - second, slope, -slope], format="csr")
         room = np.concatenate([1.5 * most, 1.5 * most, np.full(2 * cells, 2.0 * acceleration)])
         low, high = b / 3.0, np.minimum(3.0 * b, caps)
         low[level] = high[level] = end_speed**2
