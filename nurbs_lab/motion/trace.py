@@ -49,9 +49,10 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     ------
     TypeError, ValueError
         Unknown stepper or option, a feed planned for another curve or period, a curve shorter than one step
-        or with a cusp, more than 5,000,000 steps, a stepper that gives no forward step, leaps ahead by more
-        than ten times the longest step of a plan (one with an ``order``), or is late at the end by a
-        twentieth of the time, or one without ``keeps`` on a curve with a double end point.
+        or with a cusp, more than 5,000,000 steps, a stepper that gives no forward step, is late at the end by
+        a twentieth of the time, leaps ahead by more than ten times the longest step of a plan or is early
+        there by a twentieth (one with an ``order``), or one without ``keeps`` on a curve with a double end
+        point.
 
     Notes
     -----
@@ -141,10 +142,12 @@ def path_of(job, stepper, options):
     moved, chord, rise, commanded = (np.empty(count) for _ in range(4))
     span_kernels.moved_lengths(track.spans, track.panels, u, moved)
     leap = int(moved.argmax())
-    if None not in (stepper.order, feed.limits) and moved[leap] > _LEAP * feed.peak * period_s:
+    early = feed.duration / period_s - 1.05 * count > 16.0
+    if None not in (stepper.order, feed.limits) and (early or moved[leap] > _LEAP * feed.peak * period_s):
         raise ValueError(
             f"step {leap} at u = {u[leap]:.9g}: {stepper.name!r} leaps {moved[leap]:.3g} mm ahead, as |C'| "
-            "is much less there than after it; take one that keeps the limits of a plan, such as 'exact'"
+            f"is less there than after it, and takes {count} steps for {feed.duration / period_s:.6g} "
+            "periods; take one that keeps the limits of a plan, such as 'exact'"
         )
     _kernels.chord_lengths_and_errors(track.spans, u, chord, rise)
     _kernels.commanded_lengths(feed.table, period_s, commanded)

@@ -2,7 +2,8 @@
 
 u is predicted by the cubic through the last four parameters over the commanded length. Then u is interpolated
 as a function of the chord through the trial points (inverse interpolation) and taken at the commanded length.
-It needs no derivative.
+It needs no derivative, but where |C'| jumps so much that the last trial is still far off: there the step is
+as long as commanded by the arc.
 """
 
 import numpy as np
@@ -10,11 +11,15 @@ import numpy as np
 from nurbs_lab.common.kernels import ZERO, inlined, kernel
 from nurbs_lab.motion._kernels import displacement, settle
 from nurbs_lab.motion.steppers.adams import distance, push
+from nurbs_lab.motion.steppers.exact import exact_step
 from nurbs_lab.motion.steppers.registry import Option, Stepper, register, steps_of
 from nurbs_lab.nurbs.span_kernels import find_span, point, speed
 
 #: Further trials in each of the first four steps, which have too few earlier parameters to predict from.
 _EXTRA = 2
+#: A step whose last trial misses the commanded length, or the step's end, by more than this part of it is
+#: made by the exact rule.
+_FAR = 0.5
 
 
 @kernel
@@ -44,12 +49,12 @@ def _predict(spans, span, u, step, length, lengths, rows):
 
 
 @kernel
-def _chord(spans, feed, period, u, counts, trials, noise):
+def _chord(spans, feed, period, u, counts, trials, noise, panels):
     breaks, lengths = spans[0], np.zeros(3)
     end, most = breaks[-1], trials + _EXTRA
     rows = np.empty(4), np.empty(4), np.empty(max(4, most + 1))
     chords, tried = np.empty(most + 1), np.empty(most + 1)
-    span = phase = ZERO
+    span = phase = panel = ZERO
     for step in range(u.size - 1):
         t = step * period
         span = find_span(breaks, u[step], span)
@@ -60,9 +65,10 @@ def _chord(spans, feed, period, u, counts, trials, noise):
         following = _predict(spans, span, u, step, length, lengths, rows)
         here = point(spans, span, u[step])
         counts[0] += 1
-        chords[0], tried[0] = 0.0, u[step]
+        chords[0] = chord = 0.0
+        tried[0] = u[step]
         for trial in range(1, (most if step < 4 else trials) + 1):
-            following = min(following, end)
+            following = last = min(following, end)
             chord = distance(point(spans, find_span(breaks, following, span), following), here)
             counts[0] += 1
             if (
@@ -75,6 +81,10 @@ def _chord(spans, feed, period, u, counts, trials, noise):
             following = neville(chords, tried, trial + 1, length, rows[2])
             if not following > u[step]:  # no polynomial fits the chords: in proportion to the last
                 following = u[step] + (tried[trial] - u[step]) * length / chord
+        far = abs(chord - length) > max(_FAR * length, noise) and not (following == end and chord < length)
+        if far or abs(following - last) > _FAR * (following - u[step]):
+            following, panel, count = exact_step(spans, panels, (panel, span), u[step], length)
+            counts[1] += count
         push(lengths, length)
         if not settle(u, step, following, end):
             break
@@ -83,7 +93,7 @@ def _chord(spans, feed, period, u, counts, trials, noise):
 
 def _run_chord(job, *, trials=2):
     rounding = 4.0 * np.finfo(float).eps * job.extent  # of a chord, which is not corrected further
-    return steps_of(job, _chord, trials, rounding)
+    return steps_of(job, _chord, trials, rounding, job.track.panels)
 
 
 register(

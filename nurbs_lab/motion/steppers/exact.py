@@ -3,7 +3,19 @@
 from nurbs_lab.common.kernels import ZERO, kernel
 from nurbs_lab.motion._kernels import length_at, settle
 from nurbs_lab.motion.steppers.registry import KEPT, Stepper, register, steps_of
-from nurbs_lab.nurbs.span_kernels import find_span, parameter_at
+from nurbs_lab.nurbs.span_kernels import find_span, gauss, parameter_at
+
+
+@kernel
+def exact_step(spans, panels, hints, u, length):
+    """Parameter a length beyond u; ``hints`` are a panel near u and the span that holds it.
+
+    The panel that holds u and the number of evaluations of C' are returned too.
+    """
+    panel = find_span(panels[0], u, hints[0])
+    gone = panels[1][panel] + gauss(spans, hints[1], panels[0][panel], u)
+    following, _, count = parameter_at(spans, panels, (panel, hints[1]), gone + length)
+    return max(following, u), panel, count
 
 
 @kernel

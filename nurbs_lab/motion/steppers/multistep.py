@@ -22,9 +22,10 @@ import numpy as np
 
 from nurbs_lab.common.kernels import ZERO, kernel
 from nurbs_lab.motion._kernels import displacement, feed_at, settle
+from nurbs_lab.motion.steppers.exact import exact_step
 from nurbs_lab.motion.steppers.one_step import classical, three_speeds
 from nurbs_lab.motion.steppers.registry import KEPT, Stepper, register, steps_of
-from nurbs_lab.nurbs.span_kernels import find_span, gauss, parameter_at, point, speed
+from nurbs_lab.nurbs.span_kernels import find_span, point, speed
 
 #: A sample nearer to the newest node than this fraction of the coming step does not become a node: the
 #: rounding of its point, divided by the cube of the distance, would spoil the differences.
@@ -133,11 +134,8 @@ def _multistep(spans, feed, period, u, counts, past, how):
             following, trusted = u[step] + advance, doubt * doubt < _TRUST
         inside = following < breaks[span + 1] or span == breaks.size - 2
         if not (trusted and inside and following > u[step]):
-            panel = find_span(panels[0], u[step], panel)
-            gone = panels[1][panel] + gauss(spans, span, panels[0][panel], u[step])
-            gone += displacement(feed, t, period, phase)
-            following, _, count = parameter_at(spans, panels, (panel, span), gone)
-            following = max(following, u[step])
+            length = displacement(feed, t, period, phase)
+            following, panel, count = exact_step(spans, panels, (panel, span), u[step], length)
             counts[1] += count
             known = points = ZERO
         if not settle(u, step, following, breaks[-1]):

@@ -141,4 +141,22 @@ def test_a_plan_whose_steps_leap_over_short_spans_is_refused(stepper):
     feed = nl.plan_feed(curve, speed=50.0, acceleration=1000.0, period_s=1e-3)
     with pytest.raises(ValueError, match=rf"'{stepper}' leaps 10 mm ahead"):
         nl.trace(curve, feed, stepper=stepper)
-    assert nl.trace(curve, feed, stepper="history-arc").moved.max() <= 0.05
+
+
+@pytest.mark.parametrize("short", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("stepper", ["chord-corrected", "history-arc"])
+def test_steppers_with_a_guard_pass_short_spans(stepper, short):
+    x = np.append(np.arange(10.0), 9 + short + np.arange(11.0))
+    curve = nl.NurbsCurve(1, np.arange(23).clip(1, 21), np.column_stack([x, 0 * x]))
+    feed = nl.plan_feed(curve, speed=50.0, acceleration=1000.0, period_s=1e-3)
+    path = nl.trace(curve, feed, stepper=stepper)
+    moved = np.diff(np.interp(path.u, np.arange(1, 22), x))
+    np.testing.assert_allclose(moved, np.diff(feed.displacement(path.t)), atol=1e-10)
+
+
+def test_a_stepper_that_is_early_by_a_twentieth_of_a_plan_is_refused():
+    x = np.cumsum([0.0, *[1.0, 0.2] * 10])
+    curve = nl.NurbsCurve(1, np.arange(23).clip(1, 21), np.column_stack([x, 0 * x]))
+    feed = nl.plan_feed(curve, speed=50.0, acceleration=1000.0, period_s=4e-4)
+    with pytest.raises(ValueError, match=r"'adams' leaps .* steps for"):
+        nl.trace(curve, feed, stepper="adams")
