@@ -10,9 +10,13 @@ ROWS = "curve", "u", "lengths", "speeds", "causes", "tangents", "curvatures", "p
 _NEGLIGIBLE = 1e-7
 #: Samples nearer to each other than this part of the length are one: rounding would be an acceleration.
 _APART = 1e-10
-#: A corner where it takes less time to stop is passed at this part of its speed. Beside it the motion takes
-#: all of its jerk: periods that hold the corner see a mean of the directions before and behind it.
+#: With jerks of axes a corner where it takes less time to stop is passed at this part of its speed, without
+#: at a negligible one. Beside it the motion takes all of its jerk, or of its acceleration: periods that hold
+#: the corner see a mean of the directions before and behind it.
 _STOP = 0.05
+#: Without jerks of axes a stop that gains less than this part of the way until the motion has its speed again
+#: is not made.
+_WORTH = 0.02
 
 
 def sampled(limits, curve, u, lengths, tangents, curvatures):
@@ -28,6 +32,9 @@ def slowed_at_corners(path, limits):
     """The path with its speeds lowered from a period, or two, before each corner to as long after it."""
     at, reach_s = path.kinks[:, 0], np.full(len(path.kinks), limits.period_s)
     held, names = limits.corner_speeds(at, path.kinks[:, 1:])
+    if not limits.soft:
+        part = np.where(_stops(path, limits, held) & (names != "chord_error"), _NEGLIGIBLE, 1.0)
+        held, reach_s = part * held, part * reach_s
     if limits.axis_jerk is not None:  # third differences hold three periods, and see curvatures that jump
         first = np.flatnonzero(np.diff(path.lengths) == 0.0)
         steps = np.abs(path.curvatures[first + 1] - path.curvatures[first])
@@ -62,16 +69,24 @@ def slowed_at_corners(path, limits):
 
 
 def _stops(path, limits, held):
-    """At which corners it takes less time to stop, or nearly so, than to hold their speed for four periods.
+    """At which corners it takes less time to stop, or nearly so, than to hold their speed.
 
-    A motion out of rest with the jerk J has gone ``J t**3 / 6`` when it has its acceleration, or is half way
-    to the next corner. One that stops is slower if one that first holds the corner's speed is there sooner.
+    It is held for two periods, with jerks of axes for four. A motion out of rest with the acceleration A or
+    the jerk J has gone ``A t**2 / 2`` or ``J t**3 / 6`` when it has its speed or its acceleration, or is half
+    way to the next corner. One that stops is slower if one that first holds the corner's speed is there
+    sooner.
     """
-    at, period, jerk = path.kinks[:, 0], limits.period_s, limits.axis_jerk.min()
-    ways = np.diff(np.concatenate([[0.0], at, [path.length]])).clip(0.0)
-    time = np.minimum(limits.acceleration / jerk, np.cbrt(3.0 * np.minimum(ways[1:], ways[:-1]) / jerk))
-    left = np.maximum(time - 2.0 * period, 0.0)
-    return 6.0 * held * time < jerk * (time**3 - left**3)
+    ways = np.diff(np.concatenate([[0.0], path.kinks[:, 0], [path.length]])).clip(0.0)
+    half, power = 0.5 * np.minimum(ways[1:], ways[:-1]), 3.0 if limits.soft else 2.0
+    factor, rate, most, held_s = power * (power - 1.0), limits.acceleration, limits.speed, limits.period_s
+    if limits.soft:
+        rate, most, held_s = limits.axis_jerk.min(), limits.acceleration, 2.0 * held_s
+    elif limits.axis_acceleration is not None:
+        rate = min(rate, limits.axis_acceleration.min())
+    time = np.minimum(most / rate, (factor * half / rate) ** (1.0 / power))
+    left = np.maximum(time - held_s, 0.0)
+    least = 1.0 if limits.soft else 1.0 - _WORTH
+    return factor * held * time < rate * (least * time**power - left**power)
 
 
 def _with_samples(path, limits, at, reach):

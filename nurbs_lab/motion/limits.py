@@ -39,8 +39,9 @@ class Limits(Value):
     -----
     A corner is passed at the speed at which the velocity changes within a period by no more than the
     accelerations allow: v <= a T / (2 sin(turn / 2)) for the vector, and for each axis likewise. Corners less
-    than a period apart share the period, and so does the curvature beside them. With ``axis_jerk`` the corner
-    takes half of it, in a speed held for four periods; where a stop takes less time, the motion nearly stops.
+    than a period apart share the period, and so does the curvature beside them. The speed is held for two
+    periods. With ``axis_jerk`` the corner takes half of it, and holds its speed for four. Where a stop takes
+    less time, without any limit of jerk 2 % less of the way there, the motion nearly stops.
 
     Examples
     --------

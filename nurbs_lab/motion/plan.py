@@ -118,7 +118,7 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
     """
     motion = _motion(path, limits, ends, fineness)
     profile, periods, slowed, look = motion.profile, 0, False, excesses
-    for _ in range(_ROUNDS):
+    for number in range(1, 1 + _ROUNDS):
         found = look(path, limits, profile)
         name, at, factor = worst(found)
         factor = max(1.0, factor)
@@ -130,7 +130,7 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
         whole = np.ceil(slower / limits.period_s - 1e-9)
         costs = gone is None or ends.any() or whole[1] > whole[0]  # to slow it down
         if costs and any(row[3].max() > most for row in found):
-            path = _tightened(path, found)
+            path = _tightened(path, found, number)
             motion = _motion(path, limits, ends, fineness)
             slowed = slowed and motion.profile.duration <= profile.duration
             profile, look = motion.lasting(profile.duration) if slowed else motion.profile, excesses
@@ -153,8 +153,11 @@ def _motion(path, limits, ends, fineness):
     return s_curve(path, limits, ends, fineness) if limits.soft else Trapezoid(path, limits, ends)
 
 
-def _tightened(path, found):
-    """The path with lower limits wherever the motion was too fast."""
+def _tightened(path, found, times):
+    """The path with lower limits wherever the motion was too fast, ``times`` as much as it was.
+
+    Within a cell a limit may be exceeded by much less than what its ends leave of it.
+    """
     parts = path.parts.copy()
     for name, start, stop, factors in found:
         first = np.maximum(np.searchsorted(path.lengths, start) - 1, 0)
@@ -162,7 +165,7 @@ def _tightened(path, found):
         for k in np.flatnonzero(factors > 1.0):
             near = slice(first[k], last[k])
             for column, power in _LOWERED[name]:
-                lower = path.parts[near, column] / (factors[k] * _TOLERATED) ** power
+                lower = path.parts[near, column] / (factors[k] * _TOLERATED) ** (times * power)
                 parts[near, column] = np.minimum(parts[near, column], lower)
     return replace(path, parts=parts)
 

@@ -188,6 +188,18 @@ def test_no_axis_takes_more_jerk_within_a_segment_than_at_its_ends(seed):
     assert np.abs(j * tangent + 3.0 * v * a * curvature + v**3 * rate).max() <= 3e4 * (1.0 + 1e-6)
 
 
+def test_where_a_limit_binds_within_a_cell_alone_the_plan_is_lowered_until_it_holds():
+    """A turn of 56 nm, in whose cells an axis takes 0.1 % more jerk than at their ends, was refused."""
+    rng = np.random.default_rng(10)
+    count, degree = int(rng.integers(5, 12)), int(rng.integers(3, 5))
+    steps = rng.normal((2, 0), 3, (count, 2))
+    curve = nl.interpolate_curve(np.cumsum(steps, axis=0), degree)
+    feed = nl.plan_feed(
+        curve, speed=60.0, acceleration=800.0, jerk=2e4, axis_acceleration=600.0, axis_jerk=2e4, period_s=1e-3
+    )
+    assert max(feed.certificate().uses.values()) <= 1.0 + 1e-6
+
+
 @pytest.mark.parametrize("degrees", [90.0, 30.0, 6.0, 1.0])
 @pytest.mark.parametrize("period_s", [1e-3, 4e-3])
 def test_a_plan_through_a_corner_is_no_slower_than_a_stop_there(degrees, period_s):
@@ -202,6 +214,21 @@ def test_a_plan_through_a_corner_is_no_slower_than_a_stop_there(degrees, period_
     points = nl.trace(curve, feed, stepper="exact").points
     points = np.vstack([[points[0]] * 3, points, [points[-1]] * 3])
     assert np.abs(np.diff(points, 3, axis=0)).max() <= limits["axis_jerk"] * period_s**3
+
+
+@pytest.mark.parametrize("period_s", [2e-3, 4e-3])
+@pytest.mark.parametrize("more", [{}, {"axis_acceleration": 700.0}])
+def test_without_jerk_teeth_take_no_longer_than_a_stop_at_each(more, period_s):
+    """Sharp teeth of 5 mm; second differences of the points keep the accelerations."""
+    teeth = [(x, 5.0 * (x % 2)) for x in range(12)]
+    curve = nl.interpolate_curve(teeth, 1)
+    feed = nl.plan_feed(curve, speed=80.0, acceleration=1000.0, period_s=period_s, **more)
+    least = min(1000.0, more.get("axis_acceleration", 1000.0) / (5.0 / np.sqrt(26.0)))
+    assert feed.duration <= 11 * 2.0 * np.sqrt(np.sqrt(26.0) / least) * 1.002 + period_s
+    points = nl.trace(curve, feed, stepper="exact").points
+    second = np.diff(np.vstack([[points[0]] * 2, points, [points[-1]] * 2]), 2, axis=0) / period_s**2
+    assert np.linalg.norm(second, axis=1).max() <= 1000.0 * (1.0 + 1e-6)
+    assert np.abs(second).max() <= more.get("axis_acceleration", 1000.0) * (1.0 + 1e-6)
 
 
 @pytest.mark.parametrize("jerk", [None, 2e4])
