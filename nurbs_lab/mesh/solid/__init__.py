@@ -13,6 +13,7 @@ refine.RAISE             1.5           +9, 2.8 x             at 3 +34, 3 x, a fo
 refine.SAFETY            0.98                                at 0.9 +11, 2.8 x
 refine.IN_VAIN           4                                   of 42: 2 miss, 0.81 x; one fits more, 1.15 x
 refine.MOST_FACES        3,000                               of 42: the same, 0.9 x; the same
+refine.TRIED             2             6 fold, 2.4 x         of 10 coarse limbs: 2 become planes; 1.6 x
 refine._SLIVER           0.5 tol.      99 folds of a plate   +2; the plate misses
 refine._BESIDE           2 tol.                              +19, one misses; +7
 refine._COARSE           3.75 tol.     -6, arcs of half hole +2; +0

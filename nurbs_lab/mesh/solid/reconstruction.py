@@ -305,7 +305,8 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
     edges, ends included, form a linear space (`mesh.solid.space`), in which one sparse least-squares fit
     finds all of them together (`mesh.solid.fit`); it keeps the volume of the mesh. Where the measured
     deviation misses the tolerance, the patches are made smaller and the fit is done again
-    (`mesh.solid.refine`). A polyhedron has flat faces.
+    (`mesh.solid.refine`). A polyhedron has flat faces, and so has a coarse mesh of which patches in about the
+    number of its triangles do not keep the tolerance.
 
     Examples
     --------
@@ -327,13 +328,18 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
     if tolerance > (size := extent(graph.vertices)):
         raise ValueError(f"tolerance = {tolerance:g} mm is larger than the mesh, {size:.3g} mm: check units")
     parts, repairs = closed_surfaces(graph)
+    most = np.inf if max_faces is None else max_faces
 
     def best(part):
         # surfaces that meet at less than the sharp angle are told apart at a third of it
         angles = (sharp_angle, sharp_angle / 3.0) if faces == "auto" else ()
         exact = next(filter(None, (exact_shell(part, tolerance, angle) for angle in angles)), None)
-        few = exact and (max_faces is None or len(exact.shell.faces) <= max_faces)
-        return exact if few else build(part, tolerance, sharp_angle, max_faces)
+        if exact and len(exact.shell.faces) <= most:
+            return exact
+        count = len(part.triangles)
+        fitted = build(part, tolerance, sharp_angle, max_faces, count if angles and count <= most else np.inf)
+        # the planes of so coarse a mesh that fewer patches do not keep the tolerance
+        return fitted or exact_shell(part, tolerance, 0.0) or build(part, tolerance, sharp_angle, max_faces)
 
     fits = over_slices(best, parts, "shells")
     shells = tuple(

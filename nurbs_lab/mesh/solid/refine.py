@@ -18,6 +18,7 @@ from nurbs_lab.mesh.solid.shell_triangles import crossed
 IN_VAIN = 4  # attempts in a row that are not better than the best one, after which it is taken
 SAFETY = 0.98  # of the tolerance is aimed at
 MOST_FACES = 3000  # of a shell, if it has no more triangles; and of all attempts after the first, together
+TRIED = 2.0  # faces of all attempts together for each of enough, at which the search ends
 RAISE = 1.5  # times its ratio to the aim: the factor of the weight of a face that misses
 COST = 0.03  # largest quadric error of the first layout at a tolerance of 1 / 200 of the size, as a length
 _SLIVER = 0.5  # of the tolerance: sharp edges nearer to one another become one, others move less when turned
@@ -49,10 +50,11 @@ class Fitted:
         return max(self.to_surface.max(), self.to_mesh.max())
 
 
-def build(part, tolerance, sharp_angle, most_faces=None) -> Fitted:
+def build(part, tolerance, sharp_angle, most_faces=None, enough=np.inf) -> Fitted | None:
     """Fit a shell to a closed surface; the best of the attempts if none keeps the tolerance.
 
-    By default it has at most `MOST_FACES`, or as many faces as the surface has triangles.
+    By default it has at most `MOST_FACES`, or as many faces as the surface has triangles. None if no fit
+    keeps the tolerance, and the layouts have ``enough`` faces together; at `TRIED` times that they end.
 
     Raises
     ------
@@ -73,15 +75,18 @@ def build(part, tolerance, sharp_angle, most_faces=None) -> Fitted:
     mesh = surfels(fine, parts, sharp_angle, _BESIDE * within, rough=not coarse)
     samples = np.concatenate([vertices, triangle_samples(vertices, triangles, 0.02)])
     most_faces = most_faces or max(MOST_FACES, len(triangles))
-    best = _refined(mesh, target, samples, within, most_faces, part.meets)
+    best = _refined(mesh, target, samples, within, (most_faces, enough), part.meets)
+    if best is None:
+        return None
     for_size = {name: getattr(best, name) * size + centre for name in ("mesh_points", "surface_points")}
     for_size |= {name: getattr(best, name) * size for name in ("to_surface", "to_mesh", "bad")}
     patches = replace(best.patches, control=best.patches.control * size + centre)
     return replace(best, patches=patches, **for_size)
 
 
-def _refined(mesh, target, samples, within, most_faces, meets):
+def _refined(mesh, target, samples, within, limits, meets):
     """The first fit that keeps the tolerance, or the best one, on finer and finer layouts."""
+    most_faces, enough = limits
     weight, best, before, faces, vain = np.ones(len(mesh.vertices)), None, None, 0, 0
     cost = COST**2 * within / 0.005
     for attempt in count():
@@ -96,7 +101,7 @@ def _refined(mesh, target, samples, within, most_faces, meets):
                 f"{len(layout.corners)}, and {layout.sharp.mean():.0%} of its edges are sharp; give a larger "
                 "sharp_angle or tolerance"
             )
-        if attempt and (faces > MOST_FACES or len(layout.corners) > most_faces):
+        if faces >= TRIED * enough or (attempt and (faces > MOST_FACES or len(layout.corners) > most_faces)):
             break
         nodes = even_grid(mesh, layout, chart)
         if not np.array_equal(nodes, before):  # or the fit would be the same
@@ -121,7 +126,8 @@ def _refined(mesh, target, samples, within, most_faces, meets):
         weight = weight * raised_there
         if vain > 1:  # smaller faces where it misses did not help twice: smaller ones everywhere
             cost /= 2.0
-    return best
+    kept = best and best.worst <= within and not best.faulty.any()
+    return best if kept or faces < enough else None
 
 
 def _small_layout(mesh, weight, cost, most_faces, left):

@@ -201,6 +201,20 @@ def test_coarse_facets_become_smooth_faces(seed):
     assert {surface.degrees for surface in made.surfaces} == {(5, 5)}
 
 
+def test_a_coarse_limb_with_thin_joints_has_the_planes_of_its_mesh():
+    """Where six sides meet in a joint thinner than the tolerance, patches fold or pass through others."""
+    radii = np.concatenate([[0.0], np.tile([0.02, 0.8, 1.2, 0.7], 2), [0.02, 0.0]]) * 1.5
+    heights = np.concatenate([[0.0], 5.0 * np.arange(9) + 1.0, [42.0]])
+    limb = trimesh.creation.revolve(np.column_stack([radii, heights]), sections=6)
+    x, y, z = limb.vertices.T
+    turn = np.exp(0.02j * z) * (x + 1j * y) + 0.01 * z**2
+    limb.vertices = np.column_stack([turn.real, turn.imag, z])
+    made = reconstruct(limb, tolerance=0.21)
+    assert made.within_tolerance
+    assert len(made.faces) == len(limb.faces)
+    assert made.volume == pytest.approx(limb.volume, rel=1e-6)
+
+
 def test_a_step_lower_than_a_limit_is_taken_off():
     steps = trimesh.creation.revolve([[0, 0], [5, 0], [5, 3], [5.01, 3], [5.01, 6], [0, 6]], sections=48)
     vertices, triangles = np.array(steps.vertices), np.array(steps.faces, dtype=np.int64)
