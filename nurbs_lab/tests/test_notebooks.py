@@ -3,6 +3,7 @@
 import json
 import re
 from pathlib import Path
+from symtable import symtable
 
 import pytest
 from nbconvert import HTMLExporter
@@ -35,6 +36,23 @@ def test_every_code_cell_ran_in_order(notebook):
 def test_one_picture_stands_for_the_notebook(notebook):
     cells = [cell for cell in code_cells(notebook) if "thumbnail" in cell["metadata"].get("tags", [])]
     assert sum("image/png" in output.get("data", {}) for cell in cells for output in cell["outputs"]) == 1
+
+
+def test_no_later_cell_takes_a_name_that_a_slider_uses(notebook):
+    """A reader moves a slider after the last cell has run; its functions then find the names of that time."""
+    sources = [source(cell) for cell in code_cells(notebook)]
+    tables = [symtable(text, "cell", "exec") for text in sources]
+    taken = [{one.get_name() for one in table.get_symbols() if one.is_assigned()} for table in tables]
+    for k, text in enumerate(sources):
+        functions = {one.get_name(): one for table in tables[: k + 1] for one in table.get_children()}
+        waiting, used = set(re.findall(r"plotting\.explore\((\w+)", text)), set()
+        while waiting:
+            used |= waiting
+            inside = [functions[name] for name in waiting & set(functions)]
+            inside += [table for function in inside for table in function.get_children()]
+            symbols = [one for table in inside for one in table.get_symbols()]
+            waiting = {one.get_name() for one in symbols if one.is_global()} - used
+        assert used & set().union(*taken[k + 1 :]) == set(), text
 
 
 def test_no_error_or_stderr_is_stored(notebook):
