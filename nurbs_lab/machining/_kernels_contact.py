@@ -55,9 +55,10 @@ def over_facet(body, f, x, y, shape):
     left, right = False, False
     for k in range(3):
         i, j = 3 * k, 3 * ((k + 1) % 3)
-        cross = (p[f, j] - p[f, i]) * (y - p[f, i + 1]) - (p[f, j + 1] - p[f, i + 1]) * (x - p[f, i])
-        left |= cross > 0.0
-        right |= cross < 0.0
+        one, two = (p[f, j] - p[f, i]) * (y - p[f, i + 1]), (p[f, j + 1] - p[f, i + 1]) * (x - p[f, i])
+        slack = ROUNDING * (abs(one) + abs(two))  # on a common edge, a point is over both triangles
+        left |= one - two > slack
+        right |= two - one > slack
     if left and right:
         return -np.inf
     contact = p[f, 2] - (nx * (x - p[f, 0]) + ny * (y - p[f, 1])) / nz

@@ -100,6 +100,16 @@ def test_a_step_is_met_with_the_side_the_rim_or_the_corner():
         np.testing.assert_allclose(found, expected[kind], atol=1e-12)
 
 
+def test_no_node_of_a_stock_falls_between_two_triangles():
+    """On the diagonals of level faces, where rounding puts a node beside both triangles."""
+    for wide in range(20, 60, 3):
+        stock = trimesh.creation.box(bounds=[(-5, -5, 0), (wide, 35, 14)])
+        moves = [machining.Move("rapid", nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0, 20), (1, 0, 20)]), 10.0)]
+        program = machining.Program(moves, nl.Cutter("flat", 6.0))
+        for resolution in (0.1, 0.3, 0.7):
+            assert (nl.simulate(program, stock, resolution=resolution).stock[1:-1, 1:-1] == 14.0).all()
+
+
 def test_turning_triangles_inside_out_or_cutting_them_finer_changes_nothing():
     mesh = hills()
     xy = places(mesh, 500)
