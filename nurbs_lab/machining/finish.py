@@ -13,7 +13,7 @@ from nurbs_lab.machining.link import ways_over
 from nurbs_lab.machining.part import SINGLE, prepare_part
 from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.program import MACHINE, Program
-from nurbs_lab.machining.stock import as_stock, material_of, require_inside
+from nurbs_lab.machining.stock import as_stock, depths, material_of, require_inside
 from nurbs_lab.machining.surface import at_rest, left_over, sample_surface, standing, visible, with_valleys
 from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
@@ -52,7 +52,7 @@ def finish(
         What the part is cut from: least and largest corner, a closed mesh, or what `simulate` returned. It is
         what ``after`` leaves, otherwise the box of the part, by default.
     after : Program, optional
-        Cut before this one. Only where it leaves more than the scallop, passes follow.
+        Cut before this one. Only where it leaves more than the scallop of its stock, passes follow.
     feed : float
         Largest speed while cutting, in mm/s; ways down into material have a third of it.
     machine : Limits, optional
@@ -113,14 +113,14 @@ def finish(
     ways = ways_over(bare, material, floor, max(high, material.field.z.max()), feed, machine)
 
     plan = layout(fitting.touch(0.5), cutter, CUSP * scallop, floor)
-    paths, said = covering(fitting, plan, scallop, after, material)
+    paths, said = covering(fitting, plan, scallop, stock, after, material)
     if not paths:
         raise ValueError("there is nothing that this cutter can mill from above; use a smaller one")
     require_length(part, cutter, locations(paths))
     return replace(ways.program(ways.ordered(paths), tolerance, begun, said), after=after)
 
 
-def covering(fitting, plan, scallop, after, material):
+def covering(fitting, plan, scallop, stock, after, material):
     """Paths that leave no more than the scallop where the cutter reaches the part and ``after`` left more.
 
     What is left is measured on samples of the part, beyond what the cutter must leave there, and as material
@@ -141,6 +141,8 @@ def covering(fitting, plan, scallop, after, material):
     points, plan = samples.points, plan.with_steps(tips[found], samples.normals[found])
     done = [] if after is None else [(one.cutter, program_tips(one)) for one in after.chain]
     far, above = np.full(len(points), 2.0 * scallop + gaps.max(initial=0.0)), material.above(points)
+    if after is not None:
+        far = np.minimum(far, depths(stock, above, points))
     for one in done:
         far, _ = left_over(*one, points, far)
     paths, above[~found], before = fit_paths(fitting, plan.paths(tips[far - gaps > scallop])), 0.0, np.inf

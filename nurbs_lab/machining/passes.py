@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import binary_closing, binary_dilation, minimum_filter
+from scipy.ndimage import binary_closing, binary_dilation, maximum_filter, minimum_filter
 from scipy.spatial import cKDTree
 
 from nurbs_lab.common.checks import lengths
@@ -75,8 +75,10 @@ class Layout:
 
     def paths(self, tips):
         """The first passes near the tips ``(n, 3)``, enough on surfaces of small curvature."""
-        slope, wanted = self.slope, self._near(tips)
-        paths = self._waterlines(wanted & (slope > SPLIT), self._levels(), first=True)
+        slope, (low, high) = self.slope, self._near(tips)
+        wanted = low < np.inf
+        steep = np.where(slope > SPLIT, low, np.inf)
+        paths = self._waterlines(steep, high, self._levels(), first=True)
         disc, far = self.cutter.flat_radius, LEVEL_STEP * self.cutter.flat_radius
         level = (slope <= SINGLE) & (far > self.step)  # the disc covers what is between passes
         gentle = (slope <= SPLIT) & ~level
@@ -86,10 +88,12 @@ class Layout:
         return paths
 
     def _near(self, tips):
-        """The nodes next to a tip."""
-        near = np.zeros(self.field.z.shape, bool)
-        near[self.field.index(tips[:, :2])] = True
-        return binary_dilation(near, np.ones((3, 3)))
+        """Heights of the lowest and the highest tip next to each node; at others they are infinite."""
+        low, at = np.full(self.field.z.shape, np.inf), self.field.index(tips[:, :2])
+        high = -low
+        np.minimum.at(low, at, tips[:, 2])
+        np.maximum.at(high, at, tips[:, 2])
+        return minimum_filter(low, 3) - self.step, maximum_filter(high, 3) + self.step
 
     def paths_through(self, tips, left):
         """Passes through those of the tips ``(n, 3)`` where most is ``left``, from each to the nearest one.
@@ -103,7 +107,7 @@ class Layout:
             tips = tips[~rests]
             levels = tips[_spaced(tips[:, :2], tips[:, 2], GAP * self.cutter.diameter), 2]
             _, some = np.unique(np.floor(levels / off), return_index=True)
-            paths += self._waterlines(self._near(tips), np.unique(levels[some] + self._above))
+            paths += self._waterlines(*self._near(tips), np.unique(levels[some] + self._above))
         return paths
 
     def _chains(self, tips):
@@ -138,11 +142,12 @@ class Layout:
         aside = points[:, :2] - self._above * inward
         return (self.touch.heights(aside) > below) | (below >= points[:, 2])
 
-    def _waterlines(self, wanted, levels, first=False):
+    def _waterlines(self, low, high, levels, first=False):
         field, size = self.field, int(GAP * self.cutter.diameter / self.field.step / 2)
 
         def needed(points, inward, slack):
-            keep = wanted[field.index(points[:, :2])]
+            at = field.index(points[:, :2])
+            keep = (low[at] <= points[:, 2]) & (points[:, 2] <= high[at])
             if first:
                 corner = points[keep]
                 corner[:, :2] += self.cutter.flat_radius * inward[keep]

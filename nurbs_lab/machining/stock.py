@@ -116,6 +116,13 @@ def bounds_of(stock) -> np.ndarray:
     return stock if isinstance(stock, np.ndarray) else stock.bounds
 
 
+def depths(stock, above, points) -> np.ndarray:
+    """Depth of points ``(n, 3)`` in a stock, the distance from its nearest side or ``above (n,)`` if less."""
+    low, high = bounds_of(stock)[:, :2]
+    sides = np.minimum(points[:, :2] - low, high - points[:, :2]).min(axis=1).clip(0.0)
+    return np.where(np.isfinite(above), np.minimum(above, sides), np.inf)
+
+
 def material_of(stock, cutter, before=None, share=1.0):
     """Upper bounds of the stock for a cutter, after the moves of the program ``before``."""
     field = stock_field(stock, cell_of(stock, cutter, CELLS / share), upper=True)

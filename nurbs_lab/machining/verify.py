@@ -11,7 +11,7 @@ from nurbs_lab.machining.drop import body_contacts, contact
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
 from nurbs_lab.machining.simulate import coarse
-from nurbs_lab.machining.stock import as_stock, material_of
+from nurbs_lab.machining.stock import as_stock, depths, material_of
 from nurbs_lab.machining.surface import at_rest, left_over, sample_surface, standing, visible
 from nurbs_lab.mesh.read import without_cache
 
@@ -31,9 +31,10 @@ class Verification(Value):
         Tips at which a cutter cuts into the part, and how much smaller all round it must be not to do so.
     left : (m,) array
         Material left on each sample of the reached surface, in increasing order: its distance from the
-        nearest cutter, however far, or the height of the stock above it if that is known and less. The
-        little that a disc leaves there at rest is subtracted. Where material above a sample stands out more
-        than is left at any of them, as a pillar beside a pass, it is how far.
+        nearest cutter, however far, or the height of the stock above it if that is known and less, or of a
+        program planned after another its distance from a side of the stock. The little that a disc leaves
+        there at rest is subtracted. Where material above a sample stands out more than is left at any of
+        them, as a pillar beside a pass, it is how far.
     areas : (m,) array
         Area that each sample represents.
     points : (m, 3) array
@@ -164,8 +165,10 @@ def verify(program, part, *, spacing=None) -> Verification:
             found |= fits
             rests.append((touch, cutter, rest, fits))
             gaps = np.minimum(gaps, np.where(off < cutter.diameter, off, np.inf))
-    above = material_of(as_stock(chain[0].stock, part), program.cutter).above(samples.points)
-    left = (left if chain[0].stock is None else np.minimum(left, above)) - gaps
+    stock = as_stock(chain[0].stock, part)
+    above = material_of(stock, program.cutter).above(samples.points)
+    deep = above if program.after is None else depths(stock, above, samples.points)
+    left = (left if chain[0].stock is None else np.minimum(left, deep)) - gaps
     for touch, cutter, rest, fits in rests:
         high, over = max(left[fits].max(initial=0.0), program.tolerance), np.where(fits, above, 0.0)
         some, _, deep = standing(touch, cutter, samples.points, over, high, done, rest)
