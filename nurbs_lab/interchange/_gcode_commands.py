@@ -6,6 +6,8 @@ from nurbs_lab.interchange._gcode_table import ALL_AXES, PLANES, SYSTEMS, UNITS_
 from nurbs_lab.interchange._moves import NO_FEED
 
 OTHER_AXES = set("ABCUVWE")
+POLAR = set("@^&")
+PLACED = set("XxtYyuZzv") | POLAR
 WITH_AXES = OTHER_AXES | set("FS")  # what a block may hold beside a command that takes its axes
 SAVED = table.SETTINGS | {"system", "unit", "feed_length", "feed", "spindle"}  # by M70, for M72
 
@@ -16,6 +18,7 @@ class Commands(Shapes):
     def _commands(self, codes, machine, lettered, block):
         """Each command takes its letters; motions come last, as what is left of the block is theirs."""
         self.codes.update(codes)
+        placed = not PLACED.isdisjoint(block)
         cycles = self.lathe and not block.keys().isdisjoint("XZxz") and table.OF_LATHES.intersection(codes)
         if cycles and all(table.G_WORDS.get(code, "?")[0] != "motion" for code in codes):
             said = f"G{min(cycles) / 10:g} beside an axis is a cycle of a lathe"
@@ -35,7 +38,7 @@ class Commands(Shapes):
         for motion, code, letters in motions:
             if both := owned & set(letters):
                 raise ValueError(f"its {min(both)} belongs to G{code / 10:g} and to another word; part them")
-            if motion and "axes" in chosen:
+            if motion and placed and "axes" in chosen:
                 both = f"G{chosen['axes'] / 10:g} and G{code / 10:g}"
                 raise ValueError(f"{both} cannot share the axes of one block; give each its own")
             if code == 53 and self.motion != "nurbs":

@@ -14,7 +14,7 @@ from collections import Counter, defaultdict
 import numpy as np
 
 from nurbs_lab.interchange import _gcode_table as table
-from nurbs_lab.interchange._gcode_commands import OTHER_AXES, Commands
+from nurbs_lab.interchange._gcode_commands import OTHER_AXES, PLACED, POLAR, Commands
 from nurbs_lab.interchange._gcode_flow import Flow
 from nurbs_lab.interchange._gcode_shapes import AXES, MOST_COORDINATE, WORDS, shown_words
 from nurbs_lab.interchange._gcode_table import LETTERED
@@ -37,8 +37,6 @@ UNSAID = "from a place that the program does not say, which is taken as 0"
 UNIT_CODES = {code for code, (kind, *_) in table.G_WORDS.items() if kind == "unit"}
 MARKS = {*"MNTDH", *LETTERED}  # letters that are no words of a move
 PLACES = tuple(enumerate(("Xxt", "Yyu", "Zzv")))  # by their words, by steps IX or X=IC(), and by X=AC()
-POLAR = set("@^&")
-PLACED = set("XxtYyuZzv") | POLAR
 MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
 
 

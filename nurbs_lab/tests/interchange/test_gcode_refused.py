@@ -60,6 +60,7 @@ REFUSED = [
     ("G1 G1 X5", r"line 4: its words G1 and G1 exclude each other"),
     ("G20 G21", r"line 4: its words G20 and G21 exclude each other"),
     ("G2 G3 X2 I1", r"line 4: its words G2 and G3 exclude each other"),
+    ("G50 G0 X5", r"line 4: G50 and G0 cannot share the axes"),
     ("G0 G92 X5", r"line 4: G92 and G0 cannot share the axes"),
     ("G43.1 Z1 G0 X5", r"line 4: G43\.1 and G0 cannot share the axes"),
     ("G4 G1 X5 F2", r"line 4: G4 and G1 cannot share the axes"),
