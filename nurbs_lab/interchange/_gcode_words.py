@@ -69,7 +69,7 @@ NO_WORDS = {
     r"\b(?:[A-Z]{2,}\d*|[SM]\d)=": "holds a word of Siemens that this reader does not know",
     r"\b(?:CIP|POLY|[A-C]SPLINE)\b": "moves along a curve that this reader does not know",
     r"^\$": "is a command to the console of GRBL, not of a program",
-    r"\bF(?:[UZ][\d.]|T| AUTO)": "gives its feed by the turn, the tooth, the time or the tool",
+    r"\bF(?:[UZ][\d.]|T)": "gives its feed by the turn, the tooth or the time",
     r"\b[QR]\d+\s*=|=\s*[QR]\d|[A-Z][-+]?Q\d|#<_R\d": "holds parameters that this reader does not know",
     r"^(?:N\d+\s*)?[A-Z_]{2,}\w*[ \t]*\(": "calls what this reader does not know",
     r"[()]": "holds a bracket within a comment, or one that is not closed; mend it",
@@ -151,6 +151,7 @@ def lines_of(data):
         text = re.sub(r"\b([XYZF][-+]?)Q(?=\d\d?\b)", r"\1#", text)
         text = re.sub(LEFT_OUT, "", text, flags=re.MULTILINE)
         text = re.sub(UNDONE, lambda found: "\n" * found[0].count("\n"), text, flags=re.MULTILINE)
+        text = re.sub(r"\bF ?AUTO\b", "F#<F_OF_TOOL_CALL>", text)
         text = re.sub(r"^[ \t]*TOOL CALL([^\n]*)", _tool_call, text, flags=re.MULTILINE)
         text = re.sub(r"\bM0?(?:30|2)\b", "", text)  # END PGM alone shows that the file is whole
         text = re.sub(r"^[ \t]*END PGM[^\n]*", "M30", text, flags=re.MULTILINE)
@@ -168,11 +169,12 @@ def lines_of(data):
 
 
 def _tool_call(found):
-    """The plane of the axis of a tool, the speed, 0 if it is no number, and the feed."""
+    """The plane of the axis of a tool, the speed, 0 if it is no number, and the feed, which F AUTO means."""
     text = re.sub(r'"[^"]*"', "", found[1])
     planes = [f"G{17 + 'ZYX'.index(axis)}" for axis in re.findall(r"\b[XYZ]\b", text)]
     speeds = [f"S{speed or 0}" for speed in re.findall(rf"\bS *({NUMBER}(?= |$))?", text)]
-    return " ".join([*planes, *speeds, *re.findall(r"\bF *\S+", text)])
+    feeds = [f"F{feed} #<F_OF_TOOL_CALL>={feed}" for feed in re.findall(r"\bF *(\S+)", text)]
+    return " ".join([*planes, *speeds, *feeds])
 
 
 def _without_numbers(text):

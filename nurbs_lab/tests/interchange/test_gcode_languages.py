@@ -59,6 +59,8 @@ def heidenhain(folder, *blocks):
         ("L X+5 F300", 5.0),
         ("M136\nM137\nL X+5 F300", 5.0),
         ("L X+5", 4.0),  # of TOOL CALL
+        ("L X+0 F9\nL X+5 F AUTO", 4.0),
+        ("L X+0 F9\nL X+5 FAUTO M8", 4.0),
         ("L X+5 F300 M128 F1000", 5.0),
         ("M128 F1000\nL X+5", 4.0),
         ("L X+5 F300 M118 X1 Z1", 5.0),
