@@ -31,6 +31,7 @@ from nurbs_lab.interchange._gcode_words import (
 )
 from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_curve
 from nurbs_lab.machining.program import Program
+from nurbs_lab.mesh.formats.shape import as_utf8
 
 SMALL_MM = 1000.0  # beyond it, numbers without a point are asked for their unit
 UNSAID = "from a place that the program does not say, which is taken as 0"
@@ -41,7 +42,7 @@ MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
 
 
 def read(path):
-    data = path.read_bytes()
+    data = as_utf8(path.read_bytes())
     interpreter = _Interpreter(*lines_of(data))
     moves = interpreter.run(data)
     said = [*interpreter.said()]

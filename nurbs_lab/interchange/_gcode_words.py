@@ -7,12 +7,13 @@ One grammar for all dialects. What a dialect writes with more letters becomes a 
 import math
 import operator
 import re
-from functools import lru_cache, partial
+from functools import lru_cache, partial, reduce
 
 from nurbs_lab.interchange._gcode_holes import hole_of_heidenhain, hole_of_siemens
 from nurbs_lab.interchange._gcode_table import NUMBER
 
 LETTERS = re.compile("([A-Za-z@^&])")
+CHECKSUM = re.compile(r"^(N\d+[^*=;(\n]*)\*(\d+)(?=[ \t]*(?:;|$))", re.MULTILINE)
 COMMENT = re.compile(r"\([^()\n]*\)|;[^\n]*|^[ \t]*<[^<>\n]*>[ \t]*$", re.MULTILINE)
 #: What Siemens and Fanuc write with more letters -> the word, or the letter of the value that follows.
 KEYWORDS = {"BSPLINE": "b0", "SD=": "d", "PL=": "l", "PW=": "w", "CR=": "R", "SUPA": "G153"}
@@ -134,8 +135,8 @@ SIGN, HASH, EQUALS, SPACE = map(re.compile, (r"\s*([-+])", r"\s*(#)", r"\s*(=)",
 
 def lines_of(data):
     """The lines of a program in capitals without comments, and the unit of Heidenhain's, MM or INCH."""
-    text = data.removeprefix(b"\xef\xbb\xbf").decode("latin-1").upper()
-    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    text = data.removeprefix(b"\xef\xbb\xbf").decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
+    text = CHECKSUM.sub(_checked, text).upper()
     if re.match(r"%\S*[ \t]+G7[01]\b", text):
         raise ValueError("line 1: it is G-code of Heidenhain; give the program in its plain language")
     head = re.search(r"BEGIN PGM[^\n]*?\b(MM|INCH)?[ \t]*$", text, re.MULTILINE)
@@ -166,6 +167,14 @@ def lines_of(data):
         )
         text = re.sub(rf"\b(?:{longest})", lambda found: f" {keywords[found[0]]}", text)
     return [line.strip() for line in text.split("\n")], head and (head[1] or "MM")
+
+
+def _checked(found):
+    """A line of a printer without its checksum, all bytes before it joined by XOR."""
+    if (right := reduce(operator.xor, found[1].encode("latin-1"))) != int(found[2]):
+        line = found.string.count("\n", 0, found.start()) + 1
+        raise ValueError(f"line {line}: its checksum is {found[2]}, that of its words {right}; it is damaged")
+    return found[1]
 
 
 def _tool_call(found):

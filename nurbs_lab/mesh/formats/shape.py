@@ -89,6 +89,11 @@ def line_of(data, at):
     return len(data[: re.compile(rb"\s*").match(data, at).end() + 1].splitlines())
 
 
+def as_utf8(data):
+    """The bytes of a text, also of one in UTF-16, which its first two bytes say."""
+    return data.decode("utf-16").encode() if data[:2] in (b"\xff\xfe", b"\xfe\xff") else data
+
+
 def unended(data):
     return () if data.endswith((b"\n", b"\r")) else ("its last line has no end; it may be cut off",)
 

@@ -10,6 +10,12 @@ from nurbs_lab.tests.interchange.shapes import MOVES, milling
 from nurbs_lab.tests.interchange.test_gcode_reader import START, ends, program
 
 
+@pytest.mark.parametrize("coding", ["utf-16", "utf-8-sig", "latin-1"])
+def test_programs_in_any_coding(tmp_path, coding):
+    (tmp_path / "a.nc").write_bytes("G21 G90 (\u00fc)\r\nG0 X0 Y0 Z0\r\nG1 X5 F60\r\nM2\r\n".encode(coding))
+    np.testing.assert_allclose(ends(nl.read(tmp_path / "a.nc").moves), [(5, 0, 0)])
+
+
 @pytest.mark.parametrize("suffix", [".nc", ".mpf", ".spf", ".gcode", ".TAP", ".cnc", ".h"])
 def test_programs_by_their_usual_suffixes(tmp_path, suffix):
     """Those of Heidenhain say in their first line that they are."""
@@ -37,6 +43,13 @@ def test_orders_of_a_printer_are_left_out_and_named_at_once(tmp_path, recwarn, o
     said = [str(one.message) for one in recwarn]
     assert sum("orders of a printer" in one for one in said) == 1
     assert not any("cut off" in one or "G92" in one for one in said)
+
+
+def test_checksums_of_a_printer(tmp_path):
+    text = "G21\nN1 G90*17\nN2 G92 X0 Y0 Z0*91 ; here\nN3 G1 X10 F600*2\nN4 #1=2*3\nN5 G1 X#1\nM2"
+    np.testing.assert_allclose(ends(program(tmp_path, text).moves), [(10, 0, 0), (6, 0, 0)])
+    with pytest.raises(ValueError, match="line 4: its checksum is 2, that of its words 3; it is damaged"):
+        program(tmp_path, text.replace("X10", "X11"))
 
 
 @pytest.mark.parametrize("gone", ["G91 G28 Z0\nG90", "G30 Z5", "G53 G0 Z100", "SUPA G0 Z100 D0", "G28"])
