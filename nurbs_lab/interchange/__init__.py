@@ -171,7 +171,8 @@ def read(path, unit=None):
     ----------
     path : str or path
     unit : str, optional
-        Of a mesh file: what its numbers are, such as 'mm', 'cm', 'm', 'inch' or 'ft'. The result is in mm.
+        Of a mesh file: what its numbers are, 'mm', 'cm', 'm', 'um', 'inch', 'ft' or 'mil', or another
+        spelling of these, such as 'feet' or 'micrometres'. The result is in mm.
         Without it they are mm, or what a 3MF file states, or metres in a GLB, as that format says.
 
     Returns

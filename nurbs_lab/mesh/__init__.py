@@ -61,7 +61,7 @@ points on curves and voids 1 each of the one or two that have them, points off t
 noisy hollow boxes. One place instead of nine for a winding number, of 16 nested clouds: 0.
 
 Definitions: `_kernels_core.BOUNDARY`, `MANY`, `AGAINST`, `core._BY_WEIGHT`, `repair._SPLITS`,
-`samples.FROG_ORGANS`; of files `read.UNITS`, `READERS`, `_PLY_TYPES`, `_OTHER_WORDS`, `RECORD`,
+`samples.FROG_ORGANS`; of files `read.UNITS`, `_SPELT`, `READERS`, `_PLY_TYPES`, `_OTHER_WORDS`, `RECORD`,
 `HEADER_BYTES`, `_TRIPLE`, `_FACET`, `_SOLID`, `_END`, `_FLOAT`, `_TRIANGLES`, `_STRIP`, `_WORDS`, `CROSSED`.
 """
 

@@ -9,10 +9,11 @@ from nurbs_lab.common.checks import as_choice, as_file, as_floats, extent, requi
 from nurbs_lab.mesh.formats import shape_in
 from nurbs_lab.mesh.formats.shape import triangles_in
 
-UNITS = {  # in mm; the long names are those of 3MF
-    "mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "inch": 25.4, "in": 25.4, "ft": 304.8,
-    "millimeter": 1.0, "centimeter": 10.0, "meter": 1e3, "micron": 1e-3, "foot": 304.8,
-}  # fmt: skip
+UNITS = {"mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "inch": 25.4, "ft": 304.8, "mil": 0.0254}  # in mm
+_SPELT = {"mm": "millimeter millimetre", "cm": "centimeter centimetre", "m": "meter metre"}
+_SPELT |= {"um": "micron micrometer micrometre", "mil": "mil thou"}
+_SPELT = {word + s: unit for unit, words in _SPELT.items() for word in words.split() for s in ("", "s")}
+_SPELT |= {"in": "inch", "inches": "inch", "foot": "ft", "feet": "ft", "\u00b5m": "um", "\u03bcm": "um"}
 _USUAL_SIZE = 1.0, 1e4  # mm, of a part whose file states no unit; others are warned of
 
 
@@ -44,6 +45,12 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
     return _checked(vertices, triangles)
 
 
+def short_unit(unit):
+    """The name in `UNITS` of a unit of length in an ordinary spelling, such as Inches or \u00b5m."""
+    word = str(unit).strip().lower()
+    return _SPELT.get(word, word)
+
+
 def read_file(path, unit=None):
     """Points ``(n, 3)`` of a mesh file, in mm, and its triangles ``(m, 3)``; m is 0 for a cloud.
 
@@ -51,7 +58,7 @@ def read_file(path, unit=None):
     ----------
     path : Path
     unit : str, optional
-        What the numbers of the file are, of `UNITS`: mm unless the file states another.
+        What the numbers of the file are, as `short_unit` reads it: mm unless the file states another.
 
     Raises
     ------
@@ -66,13 +73,13 @@ def read_file(path, unit=None):
     """
     as_file("mesh", path)
     if unit is not None:
-        unit = as_choice("unit", unit.lower() if isinstance(unit, str) else unit, tuple(UNITS))
+        unit = as_choice("unit", short_unit(unit), tuple(UNITS))
     try:
         with np.errstate(all="ignore"):  # of damaged numbers
             shape = shape_in(path)
             require_finite("points", shape.points)
             triangles, notes = triangles_in(shape)
-            points = shape.points * UNITS[unit or shape.unit or "mm"]
+            points = shape.points * UNITS[short_unit(unit or shape.unit or "mm")]
         if len(triangles) or path.suffix.lower() != ".ply" or not len(points):
             points, triangles = _checked(points, triangles)
     except Exception as error:  # a damaged file can make a library raise anything

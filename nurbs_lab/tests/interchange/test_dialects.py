@@ -268,7 +268,7 @@ def test_what_was_read_as_one_arc_is_written_as_one(tmp_path, dialect, plane, le
     assert sum(move.curve.length() for move in moves) == pytest.approx(one.curve.length())
 
 
-@pytest.mark.parametrize("units", ["mm", "inch"])
+@pytest.mark.parametrize("units", ["Millimetres", "in"])
 def test_a_program_of_heidenhain_with_few_digits_comes_back(tmp_path, units):
     """Each spline begins at the rounded end of the move before it, be it an arc, a helix or a spline."""
     blocks = (

@@ -289,7 +289,7 @@ def test_scenes_that_would_be_read_wrongly_are_refused(change, tmp_path):
 
 
 def test_a_part_of_an_odd_size_without_a_unit_is_asked_for_it(tmp_path):
-    for size, unit, factor in ((0.02, "m", 1e3), (2e4, "um", 1e-3), (0.02, "IN", 25.4)):
+    for size, unit, factor in ((0.02, "Metres", 1e3), (2e4, "\u00b5m", 1e-3), (0.02, "IN", 25.4)):
         file = tmp_path / "part.obj"
         trimesh.creation.box((size, size, size)).export(file)
         with pytest.warns(UserWarning, match="across and states no unit"):
