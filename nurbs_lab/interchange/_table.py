@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats, lengths
-from nurbs_lab.mesh.formats.shape import unended
-from nurbs_lab.mesh.read import UNITS
+from nurbs_lab.mesh.formats.shape import as_utf8, unended
+from nurbs_lab.mesh.read import UNITS, short_unit
 
 _NUMBER = re.compile(r"[+-]?((\d+\.?\d*|\.\d+)(e[+-]?\d+)?|nan|inf(inity)?)", re.IGNORECASE)
-_AXIS = re.compile(rf"\s*([xyz])\s*(?:[\[(]({'|'.join(UNITS)})[\])])?\s*", re.IGNORECASE)
+_AXIS = re.compile(r"\s*([xyz])\s*(?:[ _\[(]+([^\W\d_]+)[\])]?)?\s*", re.IGNORECASE)
 HEADS = {dim: ["t", "u", *"xyz"[:dim], "v"] for dim in (2, 3)}
 
 
@@ -50,25 +50,32 @@ def _speeds(t, points):
 def read(path):
     """A `PathTable` if the first line names its columns; else points, by the x, y and z of a header.
 
-    Numbers are separated by commas if the first line has one, or else by blanks.
+    Numbers are separated by semicolons if the first line has one, and may then have decimal commas; else by
+    commas or blanks. Words may stand in quotes, and other columns beside x, y and z.
     """
-    lines = (text := path.read_text(encoding="utf-8-sig")).split("\n")
+    text = re.sub(r'"([^",;\n]*)"', r"\1", as_utf8(path.read_bytes()).decode("utf-8-sig"))
+    lines = text.splitlines() or [""]
     for note in unended(text.encode()):
         warnings.warn(f"path: {path.name}: {note}", stacklevel=3)
     if re.search(r"^[^#\n]*[^\s#]#", text, re.MULTILINE):
         raise ValueError("a number of it goes on with '#', which begins a comment; it is damaged")
-    found = [(i, row) for i, line in enumerate(lines) if (row := line.partition("#")[0].strip())]
-    first, head = found[0] if found else (0, "")
-    comma, by = (",", "commas") if "," in head else (None, "blanks")
-    names = [word.strip(' \t"') for word in head.split(comma)]
+    rows = [line.partition("#")[0].strip() for line in lines]
+    found = [(i, row) for i, row in enumerate(rows) if row] or [(0, "")]
+    first, head = found[0]
+    mark = ";" if ";" in head else "," if "," in head else None
+    if mark == ";" and any(re.search(r"\d,|,\d", row) for row in rows):
+        if any(re.search(r"\d\.|\.\d", row) for row in rows):
+            raise ValueError("its numbers have points and decimal commas; write all of them with points")
+        found = [(i, row.replace(",", ".")) for i, row in found]
+    names = [word.strip() for word in found[0][1].split(mark)]
     headed, named = not any(map(_NUMBER.fullmatch, names)), names in HEADS.values()
-    axes = _axes(names if headed else lines[first - 1].lstrip("# ").split(comma))  # of a comment above
+    above = lines[first - 1].lstrip("# ").split(mark)  # of a comment
+    axes = {} if named else _axes(names if headed else above, len(names))
+    by = {";": "semicolons", ",": "commas"}.get(mark, "blanks")
     if headed and not (axes or named):
         said = f"its first line {head[:40]!r} is neither numbers nor names separated by {by}"
-        raise ValueError(
-            f"{said}; name x, y and z, such as 'x[mm]', and leave other columns out; or name a program .nc"
-        )
-    rows = _numbers(found[headed:], len(names), comma, by)
+        raise ValueError(f"{said}; name columns x, y and z, such as 'x[mm]'; or name a program .nc")
+    rows = _numbers(found[headed:], len(names), [*axes] or [*range(len(names))], mark, by)
     as_floats("the table", rows)
     t, points, v = rows[:, 0], rows[:, 2:-1], rows[:, -1]
     moves = rows.shape[1] in (5, 6) and len(t) > 1 and (np.diff(t) > 0).all()
@@ -80,27 +87,32 @@ def read(path):
         raise ValueError("a line is missing, doubled or damaged: its speeds are not those of its chords")
     if named:
         return PathTable(t, rows[:, 1], points, v)
-    if len(names) > 3:
-        raise ValueError(f"its rows have {len(names)} numbers; leave all columns but x, y and z out")
-    return rows[:, list(axes)] * [*axes.values()] if axes else rows
+    if rows.shape[1] > 3:
+        raise ValueError(f"its rows have {len(names)} numbers; name x, y and z of them in a first line")
+    return rows * [*axes.values()] if axes else rows
 
 
-def _axes(names):
-    """The columns of x, y and z -> their units in mm; nothing if these are not all names, each once."""
-    found = sorted((m[1].lower(), i, m[2] or "mm") for i, m in enumerate(map(_AXIS.fullmatch, names)) if m)
-    whole = len(found) == len(names) and [axis for axis, *_ in found] == list("xyz"[: len(names)])
-    return {i: UNITS[unit.lower()] for _, i, unit in found} if whole else {}
+def _axes(names, count):
+    """The columns of x, y and z -> their units in mm; nothing unless each is named once among ``count``."""
+    matches = enumerate(map(_AXIS.fullmatch, names))
+    found = sorted((m[1].lower(), i, UNITS.get(short_unit(m[2] or "mm"))) for i, m in matches if m)
+    whole = len(names) == count and [axis for axis, _, mm in found if mm] == list("xyz"[:count])
+    return {i: mm for _, i, mm in found if mm} if whole else {}
 
 
-def _numbers(rows, count, comma, by):
-    """The numbers of rows ``[(place of the line, text), ...]``; a row of others or of words is named."""
+def _numbers(rows, count, columns, mark, by):
+    """The numbers of columns of rows ``[(place of the line, text), ...]``; a row of others is named."""
+    some = columns if len(columns) < count else None
     with contextlib.suppress(ValueError):
-        numbers = np.loadtxt([row for _, row in rows] or ["-"], delimiter=comma, ndmin=2)
-        if numbers.shape[1] == count:
-            return numbers
+        texts = [row for _, row in rows] or ["-"]
+        numbers = np.loadtxt(texts, delimiter=mark, ndmin=2, usecols=some)
+        if all(len(text.split(mark)) == count for text in texts) if some else numbers.shape[1] == count:
+            return numbers if some else numbers[:, columns]
     for i, row in rows:
-        words = [word.strip() for word in row.split(comma)]
-        strange = [w for w in words if not _NUMBER.fullmatch(w)] + [row] * (len(words) != count)
+        words = [word.strip() for word in row.split(mark)]
+        strange = (
+            [words[j] for j in columns if not _NUMBER.fullmatch(words[j])] if len(words) == count else [row]
+        )
         if strange:
             said = f"could not convert string {strange[0]!r} of line {i + 1}"
             raise ValueError(f"{said}; make it {count} numbers separated by {by}, as the first line has")

@@ -73,8 +73,15 @@ def test_a_table_whose_last_line_has_no_end_is_warned_of(tmp_path):
         ("a.txt", "# z x y\n3 1 2\n"),  # as NumPy writes it
         ("a.txt", "1, 2, 3\n"),
         ("a.csv", "1 2 3\n"),
+        ("a.csv", "x;y;z\n1,0;2;3\n"),  # of Excel in Europe
+        ("a.csv", "1,0;2,0;3,0\n"),
+        ("a.csv", '"x","y","z"\n"1","2","3"\n'),
+        ("a.csv", ",x_mm,y (\u00b5m),z [inches]\nP 1,1,2000,0.11811023622047244\n"),  # of pandas
+        ("a.txt", "# x y z nx ny nz\n1 2 3 0 0 1\n"),
+        ("a.csv", "i,z,y,x\n7,3,2,1\n"),
     ],
 )
 def test_a_table_of_points_with_a_header_that_names_its_columns_or_none(tmp_path, name, text):
-    (tmp_path / name).write_text(text)
-    np.testing.assert_allclose(nl.read(tmp_path / name), [(1, 2, 3)])
+    for coding in ("utf-8", "utf-16"):
+        (tmp_path / name).write_text(text, encoding=coding)
+        np.testing.assert_allclose(nl.read(tmp_path / name), [(1, 2, 3)])
