@@ -43,7 +43,7 @@ def plan_feed(curve, limits=None, *, period_s=None, start_speed=0.0, end_speed=0
         ``centripetal_acceleration``, ``axis_speed``, ``axis_acceleration``, ``axis_jerk`` and
         ``tangential_only``; see `motion.Limits`.
     period_s : float
-        Interpolation period, in s; that of ``limits`` by default.
+        Interpolation period, in s; needed beside keywords, that of ``limits`` by default.
     start_speed, end_speed : float
         In mm/s, kept to a part in 1e9 (an end speed below that part of the highest speed counts as rest);
         with ``jerk`` the motion starts and ends there without acceleration.
@@ -93,14 +93,14 @@ def plan_feed(curve, limits=None, *, period_s=None, start_speed=0.0, end_speed=0
 def as_limits(limits, period_s, given):
     """Limits that were given as one value or by their names."""
     if limits is None:
-        if period_s is None:
-            raise TypeError("period_s is missing: the interpolation period in s")
-        known = [field.name for field in fields(Limits) if field.name != "period_s"]
-        for name in (*known[:2], *given):
+        known = [field.name for field in fields(Limits)]
+        given = given if period_s is None else given | {"period_s": period_s}
+        needed = "speed", "acceleration", "period_s"
+        for name in (*given, *needed):  # a misspelt one before the one that it leaves out
             if name not in given or name not in known:
                 what = "missing" if name in known else "no limit"
-                raise TypeError(f"{name} is {what}; of {', '.join(known)} the first two are needed")
-        return Limits(**given, period_s=period_s)
+                raise TypeError(f"{name} is {what}; of {', '.join(known)} give {', '.join(needed)}")
+        return Limits(**given)
     as_kind("limits", limits, Limits)
     if given:
         raise TypeError(f"limits are given already; put {', '.join(given)} into them by dataclasses.replace")

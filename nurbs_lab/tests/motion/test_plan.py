@@ -264,3 +264,16 @@ def test_double_and_triple_end_points_are_planned_and_followed(inner, jerk):
     assert np.abs(path.arc_fluctuation[:-1]).max() < 1e-3
     if inner == ((0, 0), (50, 0)):
         assert feed.duration == pytest.approx(5.1 + (100.0 / jerk if jerk else 0.0), abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"speed": 1.0, "accel": 9.0}, "^accel is no limit; of speed, acceleration, .* give speed, acc"),
+        ({"speed": 1.0, "acceleration": 9.0}, "^period_s is missing; of speed, acceleration, .*"),
+        ({"acceleration": 9.0, "period_s": 1e-3}, "^speed is missing; of speed, acceleration, .*"),
+    ],
+)
+def test_a_misspelt_limit_is_named_before_the_missing_one(given, said):
+    with pytest.raises(TypeError, match=said):
+        nl.plan_feed(nl.paper.CURVE, **given)
