@@ -11,7 +11,7 @@ import numpy as np
 import trimesh
 
 from nurbs_lab import interchange, paper, plotting
-from nurbs_lab.common.checks import as_kind, said_of
+from nurbs_lab.common.checks import as_choice, as_kind, said_of
 from nurbs_lab.interchange import DIALECTS, smooth
 from nurbs_lab.machining import Cutter, Program, finish
 from nurbs_lab.mesh import Reconstruction, mesh_from_points, reconstruct, samples, slice_mesh
@@ -123,7 +123,7 @@ def read_part(path, unit=None):
         return found[0]
     if hasattr(found, "u"):  # the table of a tool path
         found = found.points
-    if not isinstance(found, np.ndarray) or path.suffix.lower() == ".ply":
+    if not isinstance(found, np.ndarray) or path.suffix.lower() not in (".csv", ".txt"):
         return found
     with said_of("path"):
         return interpolate_curve(found)
@@ -227,6 +227,7 @@ class Workbench:
         cutters = {"no milling": None, **{f"ball of {d} mm": Cutter("ball", diameter=d) for d in (2.0, 6.0)}}
         # Buttons and sliders: JupyterLab takes the arrow keys away from menus.
         row = {"layout": {"width": "100%"}, "style": {"description_width": "8em", "button_width": "auto"}}
+        part = as_choice("part", part, tuple(PARTS))
         self.choice = ipywidgets.ToggleButtons(options=list(PARTS), value=part, description="part", **row)
         self.upload = ipywidgets.FileUpload(accept=SUFFIXES.replace(" ", ","), description="your file")
         units = {"as stated, or mm": None, **{unit: unit for unit in ("mm", "cm", "m", "inch")}}

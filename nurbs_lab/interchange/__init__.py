@@ -7,7 +7,7 @@ suffix                  what `export` writes, and `read` gives back
 ``.iges`` ``.igs``      the same, in the older format
 ``.json``               curves or surfaces, as geomdl writes and reads them; a list of shapes
 ``.obj`` ``.stl``       surfaces as triangles, reconstructions as closed meshes; a `trimesh.Trimesh`
-``.ply`` ``.off``       only read, as ``.3mf`` ``.glb`` are: a `trimesh.Trimesh`, or the points of a PLY
+``.ply`` ``.off``       only read, as ``.3mf`` ``.glb`` are: a `trimesh.Trimesh`; points of PLY, OFF, OBJ
 ``.ngc`` ``.nc``        a curve, tool path or program for a machine tool; also ``.mpf``, ``.tap`` and others,
                         and ``.h`` for Heidenhain's; a `Program`
 ``.csv`` ``.txt``       a tool path, a table ``t,u,x,y[,z],v`` (only a ``.csv``); a `PathTable`, or points
@@ -179,9 +179,10 @@ def read(path, unit=None):
     -------
     list of NurbsCurve and NurbsSurface, trimesh.Trimesh, Program, PathTable, or ndarray (n, dim)
         As the table of `nurbs_lab.interchange` says; an array of the points of a table, whose header may name
-        x, y and z in any order and their units, or of a mesh file without faces. Curves come before
+        x, y and z in any order and their units, or of a PLY, OFF or OBJ without faces. Curves come before
         surfaces. CAD formats keep three coordinates, so a plane curve comes back with z = 0; planes,
-        such as the sides of a block, are left out; a trimmed face is its whole surface. Polygons are
+        such as the sides of a block, are left out, and a file of nothing else is refused: save it as an STL
+        for its whole shape. A trimmed face is its whole surface. Polygons are
         divided into triangles; equal vertices of an STL are one. OBJ and 3MF do not say how many
         faces they have, nor a table its rows or G-code its moves: nobody can see that whole lines of
         such a file are missing. Moves of a program know their lines.
@@ -218,7 +219,8 @@ def read(path, unit=None):
         said = error if isinstance(error, (ValueError, OSError, ImportError)) else repr(error)
         raise ValueError(f"path: {str(path)!r} cannot be read: {said}") from error
     if isinstance(found, list) and not found:
-        raise ValueError(f"path: {str(path)!r} holds no curve and no surface other than planes")
+        said = "holds no curve and no surface other than planes, which are left out"
+        raise ValueError(f"path: {str(path)!r} {said}; save the part as an STL for its whole shape")
     return found
 
 

@@ -80,7 +80,7 @@ def read_file(path, unit=None):
             require_finite("points", shape.points)
             triangles, notes = triangles_in(shape)
             points = shape.points * UNITS[short_unit(unit or shape.unit or "mm")]
-        if len(triangles) or path.suffix.lower() != ".ply" or not len(points):
+        if len(triangles) or path.suffix.lower() not in (".ply", ".obj", ".off") or not len(points):
             points, triangles = _checked(points, triangles)
     except Exception as error:  # a damaged file can make a library raise anything
         raise ValueError(f"mesh file {str(path)!r} cannot be read: {error}") from error

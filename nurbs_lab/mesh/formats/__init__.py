@@ -24,7 +24,5 @@ def shape_in(path) -> Shape:
     suffix = path.suffix.lower()
     if suffix not in READERS:
         known = ", ".join(READERS)
-        raise ValueError(
-            f"{suffix!r} is none of the formats {known}; read it with pyvista, and give the mesh"
-        )
+        raise ValueError(f"{suffix!r} is none of the formats {known}; save it as one of these")
     return READERS[suffix](path.read_bytes())

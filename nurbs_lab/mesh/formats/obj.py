@@ -15,7 +15,7 @@ _OTHER_WORDS = set(
 
 
 def read(data):
-    points, where, sizes, corners, others, late, strange = [], [], [], [], [], False, []
+    points, where, sizes, corners, others, strange, late, lines = [], [], [], [], [], [], False, False
     for number, words in lines_of(data):
         if words[0] == b"v":
             points.append(words[1:4])
@@ -30,8 +30,11 @@ def read(data):
                 corners += few
             else:
                 others += few
+                lines |= words[0] == b"l"
         elif words[0] not in _OTHER_WORDS:
             strange.append(f"line {number} begins with {words[0].decode(errors='replace')[:40]!r}")
+    if lines and not sizes:
+        raise ValueError("it has lines and no face; give it faces, or points alone")
     corners, count = np.array(corners, dtype=np.int64), len(points)
     if corners.size and corners.max() >= count:
         raise ValueError(f"a corner, {corners.max() + 1}, is no number of a vertex: it has {count}")

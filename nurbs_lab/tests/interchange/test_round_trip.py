@@ -109,7 +109,15 @@ def test_tables_and_clouds_come_back(tmp_path):
         np.testing.assert_array_equal(nl.read(tmp_path / name), [[0, 0, 1], [2, 3, 4]])
     points = np.random.default_rng(0).normal(size=(30, 3))
     trimesh.PointCloud(points).export(tmp_path / "cloud.ply")
-    np.testing.assert_allclose(nl.read(tmp_path / "cloud.ply"), points, atol=1e-6)
+    rows = "".join(f"{x} {y} {z}\n" for x, y, z in points)
+    (tmp_path / "cloud.off").write_text("OFF\n30 0 0\n" + rows)
+    rows = "".join(f"v {row}\n" for row in rows.splitlines())
+    (tmp_path / "cloud.obj").write_text(rows + "p " + " ".join(map(str, range(1, 31))) + "\n")
+    for suffix in ("ply", "off", "obj"):
+        np.testing.assert_allclose(nl.read(tmp_path / f"cloud.{suffix}"), points, atol=1e-6)
+    (tmp_path / "cloud.obj").write_text(rows)
+    with pytest.warns(UserWarning, match="30 of its 30 vertices belong to no face; it may be cut off"):
+        assert len(nl.read(tmp_path / "cloud.obj")) == 30
 
 
 @pytest.mark.parametrize(("suffix", "reader"), [(".step", STEPControl_Reader), (".igs", IGESControl_Reader)])

@@ -176,7 +176,7 @@ CURVE_OF_JSON = """{"shape": {"type": "curve", "data": [{"degree": 1, "knotvecto
         ("a.csv", "i,x,y,z\n1,2,3,4\n2,3,4\n", "could not convert string '2,3,4' of line 3; make it 4 numb"),
         ("a.csv", '"1,5","2,5"\n"3","4"\n', "its first line .* is neither numbers nor names"),
         ("a.csv", "x,y[acre]\n1,2\n", "its first line .* is neither numbers nor names"),
-        ("a.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n", "mesh has no triangles; give one that has faces"),
+        ("a.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n", "it has lines and no face; give it faces, or points alone"),
         ("a.stl", "version of a file " * 9, "it is neither text .*; it begins with 'version of a file"),
         ("a.stl", "", "it is neither text that begins with 'solid' nor binary: 0 bytes"),
     ],

@@ -94,6 +94,8 @@ def shown(bench):
 
 
 def test_widgets_follow_the_hand(tmp_path):
+    with pytest.raises(ValueError, match=r"part must be one of the paper's curve, .*got 'nope'"):
+        Workbench("nope")
     bench = Workbench("the paper's curve", tmp_path / "exports")
     first = shown(bench)
     assert set(first) == {"tool path", "feed", "feed fluctuation"}
