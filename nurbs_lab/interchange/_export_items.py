@@ -56,6 +56,8 @@ def _kind_of(item):
             return kind
     kinds = "NurbsCurve, NurbsSurface, Reconstruction, ToolPath or Program"
     cure = "nurbs_lab.smooth makes a curve of points, such as the ring_3d of a contour"
+    if hasattr(item, "faces") or hasattr(item, "geometry"):
+        cure = "a mesh writes itself by its export or save, and nurbs_lab.reconstruct makes a solid of it"
     raise TypeError(f"items must be {kinds}, got {type(item).__name__}; {cure}")
 
 

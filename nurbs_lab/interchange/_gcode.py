@@ -89,7 +89,10 @@ def write(path, parts, dialect=None, feed=None, tolerance=None, units=None, axes
         raise ValueError(f"dialect = {shown(dialect)}: {said}")
     if parts.paths and dialect is None:
         if any(value is not None for value in (feed, tolerance, units, axes, setup)):
-            raise ValueError("feed, tolerance, units, axes, setup: name a dialect, or leave them to the path")
+            said = "a tool path is written period by period, in mm and without a setup; leave these out, or"
+            raise ValueError(
+                f"feed, tolerance, units, axes, setup: {said} give a dialect, for its curve by feed"
+            )
         lines = _samples(parts.paths[0])
     else:
         lines = _program(_strokes(parts, feed), dialect, tolerance, units, axes, setup)
@@ -138,7 +141,8 @@ def _require_setup(setup, strokes, axes, dialect):
     """A setup needs the axis Z, moves below its safe height, and a number for Fanuc."""
     as_kind("setup", setup, Setup)
     if "Z" not in axes:
-        raise ValueError(f"axes: a setup moves Z, got {shown(axes)}")
+        cure = "give a curve in space, such as nurbs_lab.interpolate_curve of points with z = 0"
+        raise ValueError(f"axes: a setup moves Z, got {shown(axes)}; leave setup out, or {cure}")
     top = max(curve.control_points[:, axes.index("Z")].max() for _, curve, *_ in strokes)
     if setup.safe_z_mm < top:
         raise ValueError(f"setup: safe_z_mm = {setup.safe_z_mm:g} is below the highest move, {top:g}")

@@ -219,8 +219,13 @@ TO_MILL = milling().moves
 @pytest.mark.parametrize(
     ("items", "options", "said"),
     [
-        ([path()], {"feed": 3.0}, "^feed, .*name a dialect"),  # a tool path alone has its own
+        ([path()], {"feed": 3.0}, "^feed, .* in mm .*give a dialect"),  # a tool path alone has its own
         ([curve(dim=2)], {**PLANE, "dialect": "arcs", "tolerance": 1e-18}, "^tolerance must be at least"),
+        (
+            [curve(dim=2)],
+            {**PLANE, "setup": nl.Setup(1, 9, 50.0)},
+            "^axes: a setup moves Z.* give a curve in",
+        ),
         ([curve()], {**ASKED, "dialect": "linuxcnc"}, r"leaves the plane XY.*dialect='arcs'"),
         (
             [curve(dim=2)],

@@ -3,6 +3,7 @@
 import sys
 
 import pytest
+import trimesh
 
 import nurbs_lab as nl
 from nurbs_lab.tests.interchange.shapes import curve, path, surface
@@ -29,6 +30,7 @@ LOOP.append([curve(), LOOP])
     ("name", "items", "kind", "said"),
     [
         *(("part.step", item, TypeError, OTHER_KINDS) for item in (None, 3, "curve", {"u": 1})),
+        ("part.stl", trimesh.creation.box(), TypeError, "got Trimesh; a mesh writes itself by its export"),
         ("part.json", LOOP, ValueError, "a list holds itself"),
         *(("part.step", items, ValueError, "nothing to write") for items in ([], [[]])),
         *(

@@ -60,3 +60,15 @@ def test_every_body_is_one_valid_solid_with_its_voids(tmp_path, suffix):
     assert len(found) == 3
     assert sum(faces for _, faces in found) == len(rebuilt.surfaces)
     assert sum(volume for volume, _ in found) == pytest.approx(mesh.volume, rel=1e-2)
+
+
+def test_a_solid_of_planes_is_refused_with_a_cure_that_works(tmp_path):
+    made = nl.reconstruct(trimesh.creation.box((3, 2, 1)), tolerance=0.01)
+    file = nl.export(tmp_path / "part.step", made)
+    with pytest.raises(ValueError, match=r"no surface other than planes.*; save the part as an STL"):
+        nl.read(file)
+    with pytest.raises(
+        ValueError, match=r"'\.step' is none of the formats \.stl, .*; save it as one of these"
+    ):
+        nl.reconstruct(file, tolerance=0.01)
+    assert nl.read(nl.export(tmp_path / "part.stl", made)).volume == pytest.approx(6)
