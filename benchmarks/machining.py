@@ -176,7 +176,8 @@ def _motion(part):
     limits = {"acceleration": 2000.0, "axis_acceleration": 1000.0, "chord_error": 1e-3, "period_s": 1e-3}
     part, half = machining.prepare_part(part), TOLERANCE / 2
     plan = layout(contact(part, BALL, half), BALL, CUSP * SCALLOP, part.bounds[0, 2])
-    paths = plan.paths(np.column_stack([plan.field.places(), plan.field.z.ravel()]))
+    tips = np.column_stack([plan.field.places(), plan.field.z.ravel()])
+    paths = plan.paths(tips, tips[:0])
     paths = [paths[i] for i in np.linspace(0, len(paths) - 1, PASSES).astype(int)]
     times = []
     for path in fit_paths(Fitting(part, BALL, TOLERANCE), paths):

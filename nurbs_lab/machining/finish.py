@@ -145,8 +145,8 @@ def covering(fitting, plan, scallop, stock, after, material):
         far = np.minimum(far, depths(stock, above, points))
     for one in done:
         far, _ = left_over(*one, points, far)
-    paths, above[~found], before = fit_paths(fitting, plan.paths(tips[far - gaps > scallop])), 0.0, np.inf
-    fresh = paths
+    poor, above[~found], before = far - gaps > scallop, 0.0, np.inf
+    fresh = paths = fit_paths(fitting, plan.paths(tips[poor], tips[~poor]))
     while True:
         done = [*done, (cutter, locations(fresh))]
         far, _ = left_over(*done[-1], points, far)

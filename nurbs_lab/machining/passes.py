@@ -73,12 +73,14 @@ class Layout:
         steep[np.isinf(steep) | (steep <= SPLIT) | (self.slope <= SINGLE)] = 0.0
         return replace(self, slope=np.maximum(self.slope, steep))
 
-    def paths(self, tips):
-        """The first passes near the tips ``(n, 3)``, enough on surfaces of small curvature."""
-        slope, (low, high) = self.slope, self._near(tips)
-        wanted = low < np.inf
-        steep = np.where(slope > SPLIT, low, np.inf)
-        paths = self._waterlines(steep, high, self._levels(), first=True)
+    def paths(self, tips, spared):
+        """The first passes near the tips ``(n, 3)``, enough on surfaces of small curvature.
+
+        There is nothing to cut at the tips ``spared (m, 3)``: no waterline passes near them alone.
+        """
+        slope, near = self.slope, self._near(tips)
+        wanted = near[0] < np.inf
+        paths = self._waterlines(wanted & (slope > SPLIT), self._levels(), (near, self._near(spared)))
         disc, far = self.cutter.flat_radius, LEVEL_STEP * self.cutter.flat_radius
         level = (slope <= SINGLE) & (far > self.step)  # the disc covers what is between passes
         gentle = (slope <= SPLIT) & ~level
@@ -107,7 +109,8 @@ class Layout:
             tips = tips[~rests]
             levels = tips[_spaced(tips[:, :2], tips[:, 2], GAP * self.cutter.diameter), 2]
             _, some = np.unique(np.floor(levels / off), return_index=True)
-            paths += self._waterlines(*self._near(tips), np.unique(levels[some] + self._above))
+            near = self._near(tips)[0] < np.inf
+            paths += self._waterlines(near, np.unique(levels[some] + self._above))
         return paths
 
     def _chains(self, tips):
@@ -142,13 +145,15 @@ class Layout:
         aside = points[:, :2] - self._above * inward
         return (self.touch.heights(aside) > below) | (below >= points[:, 2])
 
-    def _waterlines(self, low, high, levels, first=False):
+    def _waterlines(self, wanted, levels, first=None):
         field, size = self.field, int(GAP * self.cutter.diameter / self.field.step / 2)
 
         def needed(points, inward, slack):
-            at = field.index(points[:, :2])
-            keep = (low[at] <= points[:, 2]) & (points[:, 2] <= high[at])
+            at, z = field.index(points[:, :2]), points[:, 2]
+            keep = wanted[at]
             if first:
+                near, spared = ((low[at] <= z) & (z <= high[at]) for low, high in first)
+                keep &= near | ~spared
                 corner = points[keep]
                 corner[:, :2] += self.cutter.flat_radius * inward[keep]
                 corner[:, 2] += self.cutter.corner_radius
