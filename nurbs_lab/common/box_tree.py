@@ -72,14 +72,19 @@ def morton(cells):
     return code
 
 
+def order_along(places):
+    """An order of places ``(n, dim)`` along the Z-order curve, in which neighbours come together."""
+    extent = np.ptp(places, axis=0).max()
+    cells = (places - places.min(axis=0)) * ((2**20 - 1) / extent if extent > 0 else 0.0)
+    return np.argsort(morton(cells.astype(np.int64)), kind="stable")
+
+
 def tree_along(places, lows, highs):
     """Items in boxes from ``lows (n, 3)`` to ``highs``: an order along the Z-order curve, and a tree over it.
 
     Every leaf holds `LEAF` items that follow one another in this order ``(n,)``, the last one perhaps fewer.
     """
-    extent = np.ptp(places, axis=0).max()
-    cells = (places - places.min(axis=0)) * ((2**20 - 1) / extent if extent > 0 else 0.0)
-    order = np.argsort(morton(cells.astype(np.int64)), kind="stable")
+    order = order_along(places)
     starts = np.arange(0, len(order), LEAF)
     leaves = np.minimum.reduceat(lows[order], starts), np.maximum.reduceat(highs[order], starts)
     return order, box_tree(np.hstack(leaves))

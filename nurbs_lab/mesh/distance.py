@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nurbs_lab.common.box_tree import tree_along
+from nurbs_lab.common.box_tree import order_along, tree_along
 from nurbs_lab.common.checks import as_number
 from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.common.values import Value
@@ -46,12 +46,16 @@ class TriangleTree:
         """
         points = np.ascontiguousarray(points, dtype=np.float64)
         gaps, which = np.empty(len(points)), np.empty(len(points), dtype=np.int64)
+        order = order_along(points) if len(points) else np.empty(0, dtype=np.int64)
 
         def measure(part):
-            along = np.empty((0, 3)) if directions is None else directions[part]  # of none: any counts
-            gaps[part] = _kernels_distance.nearest(
-                points[part], along, self.corners, self.normals, self.boxes, self.order, which[part]
+            some = order[part]
+            along = np.empty((0, 3)) if directions is None else directions[some]  # of none: any counts
+            found = np.empty(len(some), dtype=np.int64)
+            gaps[some] = _kernels_distance.nearest(
+                points[some], along, self.corners, self.normals, self.boxes, self.order, found
             )
+            which[some] = found
 
         over_blocks(measure, len(points), "distances")
         return gaps, which
