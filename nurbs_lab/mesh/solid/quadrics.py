@@ -14,6 +14,7 @@ _TOLD = 3e-7  # of the largest singular value: numbers of a surface that points 
 SAME = 2e-6  # lengths of the part: planes, sizes and sines of angles that differ by less are one
 _LARGEST = 20.0  # radius in lengths of the part: larger ones are planes
 _ANGLES = np.radians((0.5, 89.5))  # half angles of cones
+_CROSS = np.cross(np.eye(3)[:, None], np.eye(3)).reshape(3, 9)  # the vector product, as a matrix
 
 
 @dataclass(frozen=True)
@@ -62,8 +63,8 @@ class Quadric:
             other = -rho * np.sin(self.other) - height * np.cos(self.other)
         else:
             other = -np.einsum("ij,ij->i", normals, aside) / rho
-        turns = [np.einsum("ij,ij->i", np.cross(at, way), normals) for way in (f, -e)]
-        return np.column_stack([-normals, *turns, np.full(len(at), -1.0), other])
+        turns = np.cross(normals, at) @ np.column_stack([f, -e])
+        return np.column_stack([-normals, turns, np.full(len(at), -1.0), other])
 
     def moved(self, x):
         """The surface with its point, axis and sizes changed by (3, 2, 1, 1) numbers."""
@@ -97,9 +98,10 @@ ROUND = {
 
 def across(axis):
     """Two unit vectors that make a right-handed frame with a unit vector, which is the third."""
-    e = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
-    e /= np.linalg.norm(e)
-    return e, np.cross(axis, e)
+    turn = (axis @ _CROSS).reshape(3, 3)
+    e = turn[np.abs(axis).argmin()]
+    e = e / np.linalg.norm(e)
+    return e, e @ turn
 
 
 def fit(kind, points, places, normals, weights):

@@ -15,7 +15,7 @@ from nurbs_lab.mesh.solid.layout import lay_out
 from nurbs_lab.mesh.solid.patches import Patches
 from nurbs_lab.mesh.solid.shell_triangles import crossed
 
-IN_VAIN = 4  # attempts in a row that are not better than the best one, after which it is taken
+IN_VAIN = 4  # attempts in a row that are not better than the best one, which ends the search; 1 if it fits
 SAFETY = 0.98  # of the tolerance is aimed at
 MOST_FACES = 3000  # of a shell, if it has no more triangles; and of all attempts after the first, together
 TRIED = 2.0  # faces of all attempts together for each of enough, at which the search ends
@@ -88,7 +88,7 @@ def _refined(mesh, target, samples, within, limits, meets):
     """The first fit that keeps the tolerance, or the best one, on finer and finer layouts."""
     most_faces, enough = limits
     weight, best, before, faces, vain = np.ones(len(mesh.vertices)), None, None, 0, 0
-    cost = COST**2 * within / 0.005
+    kept, cost = False, COST**2 * within / 0.005
     for attempt in count():
         found, cost = _small_layout(mesh, weight, cost, most_faces, MOST_FACES - faces if attempt else np.inf)
         if found is None:
@@ -117,7 +117,8 @@ def _refined(mesh, target, samples, within, limits, meets):
         vain += 1
         if best is None or _score(fitted, within) < _score(best, within):
             best, vain = fitted, 0
-        if _score(best, within) == (0, SAFETY) or vain == IN_VAIN:
+        kept = _score(best, within) <= (0, 1.0)
+        if _score(best, within) == (0, SAFETY) or vain == (1 if kept else IN_VAIN):
             break
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.faulty, 4.0, 0.0))
         raised = np.where(ratio > 1.0, RAISE * ratio, 1.0)
@@ -126,7 +127,6 @@ def _refined(mesh, target, samples, within, limits, meets):
         weight = weight * raised_there
         if vain > 1:  # smaller faces where it misses did not help twice: smaller ones everywhere
             cost /= 2.0
-    kept = best and best.worst <= within and not best.faulty.any()
     return best if kept or faces < enough else None
 
 
