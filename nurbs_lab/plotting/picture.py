@@ -11,11 +11,8 @@ from PIL import Image
 class Picture(Figure):
     """A figure that a notebook stores together with its alternative text."""
 
-    def _ipython_display_(self):
-        from IPython.display import display
-
-        data, told = bundle(stored_png(opened(png_of(self))), repr(self), words(self))
-        display(data, raw=True, metadata=told)
+    def _repr_mimebundle_(self, **options):
+        return bundle(stored_png(opened(png_of(self))), repr(self), words(self))
 
 
 @dataclass(frozen=True, repr=False)
