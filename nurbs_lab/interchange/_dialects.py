@@ -12,13 +12,13 @@ import numpy as np
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.interchange import _pieces
 from nurbs_lab.interchange._moves import HELIX_MM, bisecting, circle_through
+from nurbs_lab.mesh.read import UNITS
 from nurbs_lab.nurbs.refinement import project
 
 LARGEST = 1e6  # coordinate; controllers hold five or six digits before the point
 PLANES = {"XY": "G17", "ZX": "G18", "YZ": "G19"}
 CENTRE = dict(zip("XYZ", "IJK", strict=True))
 WEIGHT_DIGITS = KNOT_DIGITS = 12
-MM = {"mm": 1.0, "inch": 25.4}
 COOLANTS = {"off": (), "mist": ("M7",), "flood": ("M8",)}
 LEAST_RADIUS_MM = 2.5e-3  # of an arc: LinuxCNC refuses one of up to 1 to 2 µm
 PLACES = 9  # of a Bezier piece, where it is compared with one arc
@@ -42,7 +42,7 @@ class G1:
 
     def __init__(self, units, axes, tolerance, setup=None):
         self.axes, self.tolerance, self.unit_word = axes, tolerance, self.unit_words[units == "inch"]
-        self.setup, self.scale, self.digits = setup, MM[units], 7 if units == "mm" else 9
+        self.setup, self.scale, self.digits = setup, UNITS[units], 7 if units == "mm" else 9
         if setup:
             self.digits = setup.digits if units == "mm" else setup.digits + 1
         self.position = self.feed = self.plane = None

@@ -21,9 +21,9 @@ from nurbs_lab.common.checks import (
     lengths,
     shown,
 )
-from nurbs_lab.interchange._dialects import COOLANTS, DIALECTS, G1, KNOT_DIGITS, MM, number
+from nurbs_lab.interchange._dialects import COOLANTS, DIALECTS, G1, KNOT_DIGITS, number
 from nurbs_lab.interchange._moves import MoveTable
-from nurbs_lab.mesh.read import short_unit
+from nurbs_lab.mesh.read import UNITS, short_unit
 
 FINEST_MM = 1e-7  # of the written numbers
 APART_MM = 1e-6  # a move begins where the one before it ends
@@ -127,7 +127,7 @@ def _program(strokes, dialect, tolerance, units, axes, setup):
         raise ValueError(f"{', '.join(missing)} must be given for dialect {dialect!r}, as in {EXAMPLE}")
     if not isinstance(axes, str) or len(axes) != dim or len(set(axes) & set("XYZUVWABC")) != dim:
         raise ValueError(f"axes must be {dim} different letters of XYZUVWABC, got {shown(axes)}")
-    scale = 1 / MM[units := as_choice("units", short_unit(units), tuple(MM))]
+    scale = 1 / UNITS[units := as_choice("units", short_unit(units), ("mm", "inch"))]
     if setup is not None:
         _require_setup(setup, strokes, axes, dialect)
     post = kind(units, axes, None if tolerance is None else tolerance * scale, setup)

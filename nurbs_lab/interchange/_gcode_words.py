@@ -136,7 +136,7 @@ SIGN, HASH, EQUALS, SPACE = map(re.compile, (r"\s*([-+])", r"\s*(#)", r"\s*(=)",
 def lines_of(data):
     """The lines of a program in capitals without comments, and the unit of Heidenhain's, MM or INCH."""
     text = data.removeprefix(b"\xef\xbb\xbf").decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
-    text = CHECKSUM.sub(_checked, text).upper()
+    text = (CHECKSUM.sub(_checked, text) if "*" in text else text).upper()
     if re.match(r"%\S*[ \t]+G7[01]\b", text):
         raise ValueError("line 1: it is G-code of Heidenhain; give the program in its plain language")
     head = re.search(r"BEGIN PGM[^\n]*?\b(MM|INCH)?[ \t]*$", text, re.MULTILINE)
