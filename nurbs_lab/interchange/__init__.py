@@ -178,14 +178,15 @@ def read(path, unit=None):
     Returns
     -------
     list of NurbsCurve and NurbsSurface, trimesh.Trimesh, Program, PathTable, or ndarray (n, dim)
-        As the table of `nurbs_lab.interchange` says; an array of the points of a table, whose header may name
-        x, y and z in any order and their units, or of a PLY, OFF or OBJ without faces. Curves come before
-        surfaces. CAD formats keep three coordinates, so a plane curve comes back with z = 0; planes,
-        such as the sides of a block, are left out, and a file of nothing else is refused: save it as an STL
-        for its whole shape. A trimmed face is its whole surface. Polygons are
-        divided into triangles; equal vertices of an STL are one. OBJ and 3MF do not say how many
-        faces they have, nor a table its rows or G-code its moves: nobody can see that whole lines of
-        such a file are missing. Moves of a program know their lines.
+        As the table of `nurbs_lab.interchange` says; an array of the points of a table, with commas, blanks,
+        or semicolons and decimal commas, whose header may name x, y and z in any order, their units, and
+        other columns beside all three; or of a PLY, OFF or OBJ without faces. Curves come before surfaces.
+        CAD formats keep three coordinates, so a plane curve comes back with z = 0; planes, such as the sides
+        of a block, are left out, and a file of nothing else is refused: save it as an STL for its whole
+        shape. A trimmed face is its whole surface. Polygons are divided into triangles; equal vertices of an
+        STL are one. OBJ and 3MF do not say how many faces they have, nor a table its rows or G-code its
+        moves: nobody can see that whole lines of such a file are missing. Moves of a program know their
+        lines.
 
     Raises
     ------
