@@ -112,16 +112,17 @@ class Block:
         return factor
 
     def make_feasible(self, middle):
-        """Change a motion, in place, until it keeps every limit; whether that was possible.
+        """Change a motion, in place, until it keeps every limit; the first weight of its solution, or 0.
 
         Slowed by some factor it does. It is then made as fast as these slow ends allow, since no way on leads
         from a motion that nearly rests in between. At last the speeds of the ends grow, and the whole motion
-        with them, by a barrier method on the logarithm of the part of v² that is reached.
+        with them, by a barrier method on the logarithm of the part of v² that is reached. The solution
+        begins one stage before the weight of that, for `_for_phases`; 0 means that no motion was found.
         """
         factor = self.infeasibility(middle)
         block, slowed, part = self._slower(factor), middle / factor**2, factor**-2.0
         if not 1.0 < factor < np.inf:
-            return factor == 1.0
+            return self._balanced_weight(middle) if factor == 1.0 else 0.0
         for stage in range(_STAGES):
             weight = FALL**stage * block._balanced_weight(slowed)
             block.centre(slowed, weight, _NEAR * len(middle), STEPS)
@@ -131,9 +132,10 @@ class Block:
             if part == 1.0:
                 break
         middle[1:-1] = slowed[1:-1]
-        return part == 1.0 and self.is_feasible(middle)
+        kept = part == 1.0 and self.is_feasible(middle)
+        return FALL ** (_STAGES - 1) * self._balanced_weight(middle) if kept else 0.0
 
-    def solve(self, middle, gap):
+    def solve(self, middle, weight, gap):
         """Least time from a motion that keeps the limits, in place; the weight on their room that remains.
 
         The weight falls by `FALL` from stage to stage, which makes log(1 / gap) / log(1 / FALL) stages and
@@ -142,7 +144,7 @@ class Block:
 
         The time is above the least one by less than the part ``gap`` of it; seen: a fiftieth of that.
         """
-        block, weight = self, self._balanced_weight(middle)
+        block = self
         while weight * 8.0 * len(middle) > gap * self.time(middle):
             block.centre(middle, weight, _NEAR * len(middle), STEPS)
             block, weight = block._for_phases(middle), weight * FALL

@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from nurbs_lab.common.checks import largest
-from nurbs_lab.common.checks import lengths as lengths_of
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.feed import MOST_SAMPLES
 from nurbs_lab.motion.limits import NAMES
@@ -129,23 +127,18 @@ def _used(track, limits, u, seen, motion, by_chords):
 
     Each parameter is seen from the span that holds ``seen``.
     """
-    rows, (v, a, j) = [], (one[:, None] for one in motion)
-    tangents, curvatures, rates = path_derivatives(track, track.spans_at(seen), u)
-    caps = dict(zip(NAMES, limits.speed_table(tangents, curvatures), strict=False))
+    rows, geometry = [], path_derivatives(track, track.spans_at(seen), u)
+    caps = dict(zip(NAMES, limits.speed_table(*geometry[:2]), strict=False))
     for name in BY_SPEED:
         if getattr(limits, name) is not None and not (by_chords and name == "chord_error"):
             rows.append((name, motion[0] / caps[name]))
-    vector = a * tangents + v**2 * curvatures
-    change = j * tangents + 3.0 * v * a * curvatures + v**3 * rates
-    for name, used, limit, power in (
-        (VECTOR, lengths_of(vector)[:, None], None if limits.tangential_only else limits.acceleration, 2.0),
-        ("axis_acceleration", vector, limits.axis_acceleration, 2.0),
-        ("axis_jerk", change, limits.axis_jerk, 3.0),
-    ):
-        if limit is not None:
-            part = np.where(motion[0] > 0.0, largest(used / limit), 0.0)
-            rows.append((name, part ** (1.0 / power)))
-    return rows
+    most = None if limits.tangential_only else limits.acceleration, limits.axis_acceleration, limits.axis_jerk
+    free, parts = np.full(geometry.shape[2], np.inf), np.empty((3, len(u)))
+    given = (none if limit is None else limit for limit, none in zip(most, (np.inf, free, free), strict=True))
+    _kernels.taken(geometry, motion, *given, parts)
+    roots = {VECTOR: np.sqrt, "axis_acceleration": np.sqrt, "axis_jerk": np.cbrt}
+    found = zip(roots.items(), parts, most, strict=True)
+    return rows + [(name, root(part)) for (name, root), part, limit in found if limit is not None]
 
 
 def _off_the_joints(profile, lengths, times):

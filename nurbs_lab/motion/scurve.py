@@ -84,13 +84,14 @@ def s_curve(path, limits, ends, fineness):
         jerk = min(jerk, 2.0 * float(np.linalg.norm(limits.axis_jerk)))
     steep = replace(limits, jerk=min(jerk, limits.acceleration / shortest, gentlest))
     block, middle = _prepare(path, steep, ends, lengths, squares, fineness)
-    if not block.make_feasible(middle):
+    weight = block.make_feasible(middle)
+    if not weight:
         at, name = block.hardest(middle)
         raise ValueError(
             f"no S-curve fits between start_speed {ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s: "
             f"{name} leaves no way on at {path.place(at)}; raise it or jerk, or lower these speeds"
         )
-    block, weight = block.solve(middle, fineness.gap)
+    block, weight = block.solve(middle, weight, fineness.gap)
     return Motion(block, middle, weight, lengths[-1], limits)
 
 
