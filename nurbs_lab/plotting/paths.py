@@ -252,7 +252,7 @@ def leaderboard(rows, *, metric="chord"):
         bars = axes[-1].barh(range(len(steppers)), costs, color=ORANGE, height=0.6)
         axes[-1].bar_label(bars, [f"{count:.3g}" for count in counts], padding=3, fontsize=8)
         axes[-1].set(xlabel="time per step [ns]", title="cost")
-        axes[-1].margins(x=0.15)
+        axes[-1].margins(x=0.25)
         axes[-1].locator_params(axis="x", nbins=4)
         axes[0].set_yticks(range(len(steppers)), steppers)
         axes[0].invert_yaxis()
