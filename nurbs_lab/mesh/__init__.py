@@ -47,6 +47,7 @@ shape._NO_AREA           1e-12         largest triangle      39, 22 of 60 lines 
 shape._MOST_CORNERS      30,000        corners               0.3 s for a face, not 2; 7 s
 packages._MOST_BYTES     4 GB                                nothing; nothing; bounds damaged files
 read._USUAL_SIZE         1 to 1e4 mm                         nothing; nothing, of 14 parts
+LINES (slicing)          8                                   107, 47 of 2,009 crossing pairs nested, not 64
 contours._MANY           20,000        triangles             nothing; nothing. 0: small meshes 1.9 x
 stl_blocks.STREAMED      300 MB                              0: as fast, but no warning of units
 stl_blocks._BLOCK        40,000        triangles             nothing; nothing, of 1.3 million triangles

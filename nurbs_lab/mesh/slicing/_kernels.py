@@ -3,10 +3,14 @@
 Half-edge ``3 f + e`` runs from corner e of triangle f to its next corner.
 """
 
+from math import ceil
+
 import numpy as np
 
 from nurbs_lab.common.kernels import compiled, inlined
 from nurbs_lab.mesh._kernels_core import sorted_order
+
+LINES = 8  # across a contour, which show whether it is inside another
 
 
 @inlined
@@ -226,20 +230,6 @@ def signed_area(points):
 
 
 @compiled
-def inside_polygon(points, x, y):
-    """Even-odd rule with the half-open choice of ends."""
-    inside = False
-    j = len(points) - 1
-    for i in range(len(points)):
-        if (points[i, 1] > y) != (points[j, 1] > y):
-            t = (y - points[i, 1]) / (points[j, 1] - points[i, 1])
-            if x < points[i, 0] + t * (points[j, 0] - points[i, 0]):
-                inside = not inside
-        j = i
-    return inside
-
-
-@compiled
 def extent(points):
     """The least and the largest x, and the least and the largest y."""
     least_x = most_x = points[0, 0]
@@ -251,66 +241,85 @@ def extent(points):
 
 
 @compiled
-def inner_point(points, y):
-    """A point well inside: the middle of the widest cut at the height y."""
-    cuts = np.empty(len(points))
-    n = 0
-    j = len(points) - 1
+def cut_by_lines(points, low, spacing, apart, cuts, n):
+    """Where a contour crosses lines at ``low + k * spacing`` laid end to end: x, and ``k * apart`` more.
+
+    The cuts are written from place ``n`` on; returns their end.
+    """
+    x, at = points[-1, 0], (points[-1, 1] - low) / spacing
     for i in range(len(points)):
-        if (points[i, 1] > y) != (points[j, 1] > y):
-            t = (y - points[i, 1]) / (points[j, 1] - points[i, 1])
-            cuts[n] = points[i, 0] + t * (points[j, 0] - points[i, 0])
+        before, start, x, at = x, at, points[i, 0], (points[i, 1] - low) / spacing
+        first, stop = ceil(min(max(min(start, at), 0.0), LINES)), ceil(min(max(start, at, 0.0), LINES))
+        for k in range(first, stop):
+            cuts[n] = k * apart + before + (k - start) / (at - start) * (x - before)
             n += 1
-        j = i
-    order = sorted_order(cuts[:n])
-    x, widest = points[0, 0], -1.0
-    for i in range(0, n - 1, 2):
-        left, right = cuts[order[i]], cuts[order[i + 1]]
-        if right - left > widest:
-            widest, x = right - left, 0.5 * (left + right)
-    return x, y
+    return n
+
+
+@compiled
+def lies_within(cuts, mine):
+    """Whether the first ``mine`` cuts enclose what the others do, but for half a line of all."""
+    order = sorted_order(cuts)
+    inside = around = False
+    outside = whole = last = 0.0
+    for i in order:
+        length = cuts[i] - last
+        if inside:
+            whole += length
+            if not around:
+                outside += length
+        if i < mine:
+            inside = not inside
+        else:
+            around = not around
+        last = cuts[i]
+    return 2.0 * LINES * outside < whole
 
 
 @compiled
 def nest(points, begins, plane, closed, nonzero):
     """Area, depth and parent (-1: none) of every contour, and which have material on both sides.
 
-    Contours of one plane follow one another. ``nonzero`` chooses the rule of winding numbers.
+    Contours of one plane follow one another. ``nonzero`` chooses the rule of winding numbers. Those that may
+    be around a contour come before it: the larger ones, and of equal ones the first.
     """
-    count = len(plane)
-    area = np.zeros(count)
-    inner = np.empty((count, 2))
-    box = np.empty((count, 4))
+    count, longest, least, most = len(plane), 0, np.inf, -np.inf
+    area, smallness, box = np.zeros(count), np.zeros(count), np.zeros((count, 4))
     for c in range(count):
         if closed[c]:
             loop = points[begins[c] : begins[c + 1]]
             area[c] = signed_area(loop)
+            smallness[c] = -abs(area[c])
             box[c, 0], box[c, 1], box[c, 2], box[c, 3] = extent(loop)
-            inner[c, 0], inner[c, 1] = inner_point(loop, 0.5 * (box[c, 2] + box[c, 3]))
-    depth = np.zeros(count, np.int32)
-    parent = np.full(count, -1, np.int32)
-    left_out = np.zeros(count, np.bool_)
-    for leave_out in range(0 if nonzero else 1, 2):  # first the winding numbers, then what is left is nested
-        start = 0
-        while start < count:
-            stop = start
-            while stop < count and plane[stop] == plane[start]:
-                stop += 1
-            for c in range(start, stop):
-                x, y = inner[c]
-                winding = 0
-                for o in range(start, stop):
-                    around = (abs(area[o]), c) > (abs(area[c]), o)  # of equal ones the first is around
-                    if closed[c] and closed[o] and around and not (leave_out and left_out[o]):
-                        within = box[o, 0] < x < box[o, 1] and box[o, 2] < y < box[o, 3]
-                        if within and inside_polygon(points[begins[o] : begins[o + 1]], x, y):
-                            if leave_out == 0:
-                                winding += 1 if area[o] > 0.0 else -1
-                                continue
-                            depth[c] += 1
-                            if parent[c] < 0 or abs(area[o]) < abs(area[parent[c]]):
-                                parent[c] = o
-                if leave_out == 0 and closed[c]:
-                    left_out[c] = winding != 0 and winding + (1 if area[c] > 0.0 else -1) != 0
-            start = stop
+            longest, least, most = max(longest, len(loop)), min(least, box[c, 0]), max(most, box[c, 1])
+    depth, parent = np.zeros(count, np.int32), np.full(count, -1, np.int32)
+    left_out, cuts = np.zeros(count, np.bool_), np.empty(2 * LINES * longest)
+    start = 0
+    while start < count:
+        stop = start
+        while stop < count and plane[stop] == plane[start]:
+            stop += 1
+        order = sorted_order(smallness[start:stop])
+        for rank in range(1, stop - start):
+            c = start + order[rank]
+            spacing = (box[c, 3] - box[c, 2]) / LINES  # 0 for an open contour
+            low = box[c, 2] + 0.5 * spacing
+            winding = mine = 0
+            for larger in order[: rank if spacing > 0.0 else 0]:
+                o = start + larger
+                beside = box[o, 0] > box[c, 1] or box[o, 1] < box[c, 0]
+                if beside or box[o, 2] > box[c, 3] or box[o, 3] < box[c, 2] or not closed[o]:
+                    continue
+                if mine == 0:
+                    loop = points[begins[c] : begins[c + 1]]
+                    mine = cut_by_lines(loop, low, spacing, most - least, cuts, mine)
+                loop = points[begins[o] : begins[o + 1]]
+                end = cut_by_lines(loop, low, spacing, most - least, cuts, mine)
+                if lies_within(cuts[:end], mine):
+                    winding += 1 if area[o] > 0.0 else -1
+                    if not left_out[o]:
+                        depth[c] += 1
+                        parent[c] = o
+            left_out[c] = nonzero and winding != 0 and winding + (1 if area[c] > 0.0 else -1) != 0
+        start = stop
     return area, depth, parent, left_out

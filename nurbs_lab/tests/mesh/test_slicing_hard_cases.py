@@ -160,6 +160,21 @@ def test_bodies_that_share_walls_and_edges_are_cut_apart(low, high, first):
         assert (layer.area, layer.open_ends, layer.junk_triangles) == (pytest.approx(area), 0, 0)
 
 
+@pytest.mark.parametrize("fill", ["even-odd", "nonzero"])
+def test_contours_that_cross_are_kept_whole_unless_next_to_nothing_is_outside(fill):
+    box, bore = box_between((0, 0, 0), (30, 20, 10)), box_between((2, 2, 0), (4, 4, 10))
+    bore.invert()
+    for shift in ((10, 5), (-10, 5), (10, 0), (0, 5), (30, 20)):
+        moved = box.copy().apply_translation((*shift, 0))
+        (layer,) = slice_mesh(trimesh.util.concatenate([box, bore, moved]), 5.0, fill=fill)
+        assert (layer.area, [contour.depth for contour in layer.contours]) == (1196.0, [0, 0, 1])
+    plate, hole, pin = box_between((-9, -9, 0), (9, 9, 9)), *(trimesh.creation.cylinder(5, 18) for _ in "ab")
+    hole.invert()
+    pin.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 32, (0, 0, 1)))  # half a facet
+    (layer,) = slice_mesh(trimesh.util.concatenate([plate, pin, hole]), 5.0, fill=fill)
+    assert layer.area == pytest.approx(18 * 18)
+
+
 def test_equal_contours_of_two_bodies_count_as_one_inside_the_other():
     box = box_between((0, 0, 0), (4, 4, 4))
     mirrored = trimesh.Trimesh(box.vertices * [-1, 1, 1] + [4, 0, 0], box.faces[:, ::-1], process=False)
