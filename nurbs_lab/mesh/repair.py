@@ -107,9 +107,8 @@ def closed_surfaces(graph) -> tuple[list[ClosedSurface], tuple[str, ...]]:
         if (graph.opposite < 0).any() or (graph.kinds == AGAINST).any():
             graph = mend(graph, size, repairs)
     _require_closed(graph)
-    surfaces = _bodies(*_one_fan_a_vertex(graph), size, repairs)
-    surfaces = _compared(surfaces, size, repairs)
-    return surfaces, tuple(repairs)
+    found = _bodies(*_one_fan_a_vertex(graph), size, repairs)
+    return _compared(*found, size, repairs), tuple(repairs)
 
 
 def _require_closed(graph):
@@ -301,7 +300,10 @@ def _halved(vertices, triangles, opposite, shared):
 
 
 def _bodies(vertices, triangles, opposite, size, repairs):
-    """Every closed part, outwards or as a void of the smallest body around it."""
+    """Every closed part, outwards or as a void of the body around it; and which bodies are inside another.
+
+    An outermost surface that points inwards is turned with all that it contains, as a mirrored mesh has it.
+    """
     count, label = bodies_of(opposite)
     parts = []
     for k in range(count):
@@ -315,21 +317,30 @@ def _bodies(vertices, triangles, opposite, size, repairs):
         raise ValueError("mesh encloses no volume; there is no solid to reconstruct")
     if empty := count - len(parts):
         repairs.append(f"{counted(empty, 'part')} without volume left out")
-    outer = [part for part in parts if part[2] > 0]
-    out = [ClosedSurface(*part[:2], k, False, part[2]) for k, part in enumerate(outer)]
-    solids = len(outer)
-    for points, corners, volume in (part for part in parts if part[2] < 0):
-        around = [k for k in range(len(outer)) if outer[k][2] > -volume and _inside(points[0], outer[k])]
-        if around:
-            owner = min(around, key=lambda k: outer[k][2])
-            out.append(ClosedSurface(points, corners, owner, True, volume))
-        else:
-            corners = corners[:, ::-1].copy()
-            out.append(ClosedSurface(points, corners, solids, False, -volume))
-            solids += 1
-    if turned := solids - len(outer):
-        repairs.append(f"{turned} surfaces turned, whose normals pointed inwards")
-    return out
+    around = _around(parts)
+    turned = [k for k, some in enumerate(around) if parts[some[0] if some else k][2] < 0]
+    for k, (points, corners, volume) in [(k, parts[k]) for k in turned]:
+        parts[k] = points, corners[:, ::-1].copy(), -volume
+    if turned:
+        repairs.append(f"{counted(len(turned), 'surface')} turned, whose normals pointed into the material")
+    void = np.array([part[2] < 0 for part in parts])
+    body = np.cumsum(~void) - 1
+    for k in sorted(np.flatnonzero(void), key=lambda k: parts[k][2]):
+        body[k] = body[around[k][-1]]
+    order = np.argsort(void, kind="stable").tolist()
+    surfaces = [ClosedSurface(*parts[k][:2], int(body[k]), bool(void[k]), parts[k][2]) for k in order]
+    return surfaces, [body[k] for k in np.flatnonzero(~void) if np.sum(1 - 2 * void[around[k]]) > 0]
+
+
+def _around(parts):
+    """For every part those around it, the largest first: its box is within theirs, and a vertex inside."""
+    lows, highs = (np.array([end(part[0], axis=0) for part in parts]) for end in (np.min, np.max))
+    order, around = np.argsort([-abs(part[2]) for part in parts], kind="stable"), [[] for _ in parts]
+    for i, k in enumerate(order):
+        larger = order[:i]
+        boxes = larger[((lows[larger] <= lows[k]) & (highs[larger] >= highs[k])).all(axis=1)]
+        around[k] = [o for o in boxes if _inside(parts[k][0][0], parts[o])]
+    return around
 
 
 def _joined(surfaces):
@@ -339,7 +350,7 @@ def _joined(surfaces):
     return np.concatenate([one.vertices for one in surfaces]), corners
 
 
-def _compared(surfaces, size, repairs):
+def _compared(surfaces, doubled, size, repairs):
     """The surfaces, told which meet; those that cross and bodies inside others, counted twice, are named."""
     owner = np.repeat(np.arange(len(surfaces)), [len(one.triangles) for one in surfaces])
     points, corners = _joined(surfaces)
@@ -356,22 +367,17 @@ def _compared(surfaces, size, repairs):
         if len(some):
             place = shown_place(points[corners[some[0]]].mean(axis=0))
             repairs.append(f"not mended: {text}, as around {place}; what lies in both counts twice")
-    for one in [] if len(crossed) else [one for one in surfaces if not one.is_void]:
-        larger = [other for other in surfaces if abs(other.volume) > one.volume]
-        around = [b for b in larger if _inside(one.vertices[0], (b.vertices, b.triangles))]
-        if sum(1 - 2 * b.is_void for b in around) > 0:
-            place = shown_place(one.vertices.mean(axis=0))
-            repairs.append(
-                f"not mended: the body around {place} lies inside another and counts twice; turn its "
-                "triangles if it is a void"
-            )
+    for k in [] if len(crossed) else doubled:
+        place = shown_place(surfaces[k].vertices.mean(axis=0))
+        repairs.append(
+            f"not mended: the body around {place} lies inside another and counts twice; turn its "
+            "triangles if it is a void"
+        )
     return [replace(one, meets=k in meeting) for k, one in enumerate(surfaces)]
 
 
 def _inside(point, part):
     """Whether a point is inside: the solid angles of all triangles add up to a full turn (van Oosterom)."""
-    if (point < part[0].min(axis=0)).any() or (point > part[0].max(axis=0)).any():
-        return False
     a, b, c = (part[0][part[1][:, k]] - point for k in range(3))
     x, y, z = (np.linalg.norm(v, axis=1) for v in (a, b, c))
     above = np.einsum("ij,ij->i", a, np.cross(b, c))

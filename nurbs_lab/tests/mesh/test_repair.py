@@ -26,6 +26,11 @@ def both(*meshes):
     return trimesh.util.concatenate(meshes)
 
 
+def mirrored(mesh):
+    """As a tool writes it that does not turn the triangles."""
+    return trimesh.Trimesh(mesh.vertices * [-1, 1, 1], mesh.faces, process=False)
+
+
 def mesh_of(vertices, faces):
     return SimpleNamespace(vertices=np.asarray(vertices), faces=np.asarray(faces))
 
@@ -80,7 +85,9 @@ def pinched():
         *((without(BOX, *two), 1, 1.0, ["1 pinhole filled"]) for two in BOX.face_adjacency),
         (loose(BALL, 1e-12), 1, BALL.volume, ["doubled vertices welded"]),
         (loose(BALL, 1e-5), 1, BALL.volume, ["doubled vertices welded"]),
-        (mesh_of(BALL.vertices, BALL.faces[:, ::-1]), 1, BALL.volume, ["1 surfaces turned"]),
+        (mesh_of(BALL.vertices, BALL.faces[:, ::-1]), 1, BALL.volume, ["1 surface turned"]),
+        (mirrored(both(WIDE, HOLLOW, KERNEL)), 2, 64 - BALL.volume + KERNEL.volume, ["3 surfaces turned"]),
+        (both(mirrored(BOX), moved(BOX, 0.5, 0.5, 0.5)), 2, 2.0, ["1 surface turned", "bodies overlap"]),
         (mesh_of(BOX.vertices, BOX.faces[[*range(12), 3, 4]]), 1, 1.0, ["2 triangles left out"]),
         (turned(BALL, 3), 1, BALL.volume, ["427 flipped triangles turned"]),
         (mesh_of(BOX.vertices, np.vstack([BOX.faces, BOX.faces[:2, ::-1]])), 1, 1.0, ["2 stray triangles"]),
