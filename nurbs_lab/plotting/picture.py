@@ -11,8 +11,15 @@ from PIL import Image
 class Picture(Figure):
     """A figure that a notebook stores together with its alternative text."""
 
-    def _repr_mimebundle_(self, **options):
-        return bundle(stored_png(opened(png_of(self))), repr(self), words(self))
+    def _ipython_display_(self):
+        from IPython.display import display
+
+        data, told = bundle(stored_png(opened(png_of(self))), repr(self), words(self))
+        display(data, raw=True, metadata=told)
+
+    def stored(self):
+        """The picture of this moment, which can take the place of an earlier one."""
+        return Stored(stored_png(opened(png_of(self))), words(self), "picture")
 
 
 @dataclass(frozen=True, repr=False)

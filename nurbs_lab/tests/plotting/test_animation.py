@@ -31,7 +31,12 @@ def test_every_frame_is_stored_with_its_time_and_the_words():
     assert data["text/plain"] == "<animation of 3 frames: a line that rises>"
 
 
-def test_a_notebook_is_given_the_picture_and_its_words():
-    data, told = draw(1.0)._repr_mimebundle_()
+def test_a_notebook_is_given_the_picture_and_its_words(monkeypatch):
+    shown = []
+    monkeypatch.setattr("IPython.display.display", lambda data, **more: shown.append((data, more)))
+    draw(1.0)._ipython_display_()
+    [(data, more)] = shown
     assert base64.b64decode(data["image/png"]).startswith(b"\x89PNG")
-    assert told == {"image/png": {"alt": "y [mm] over x [mm]"}}
+    assert more["metadata"] == {"image/png": {"alt": "y [mm] over x [mm]"}}
+    of_now, told = draw(1.0).stored()._repr_mimebundle_()
+    assert (of_now["image/png"], told) == (data["image/png"], more["metadata"])
