@@ -33,8 +33,8 @@ def slowed_at_corners(path, limits):
     at, reach_s = path.kinks[:, 0], np.full(len(path.kinks), limits.period_s)
     held, names = limits.corner_speeds(at, path.kinks[:, 1:])
     if not limits.soft:
-        part = np.where(_stops(path, limits, held) & (names != "chord_error"), _NEGLIGIBLE, 1.0)
-        held, reach_s = part * held, part * reach_s
+        stops = _stops(path, limits, held) & (names != "chord_error")
+        held, reach_s = np.where(stops, _NEGLIGIBLE, 1.0) * held, np.where(stops, 0.0, reach_s)
     if limits.axis_jerk is not None:  # third differences hold three periods, and see curvatures that jump
         first = np.flatnonzero(np.diff(path.lengths) == 0.0)
         steps = np.abs(path.curvatures[first + 1] - path.curvatures[first])
@@ -56,7 +56,7 @@ def slowed_at_corners(path, limits):
     zones = np.column_stack([np.maximum(at - reach, 0.0), np.minimum(at + reach, path.length), held, parts])
     if not limits.soft:
         path = _with_samples(path, limits, at, reach)
-    apart = _APART * path.length
+    apart = np.where(reach > 0.0, _APART * path.length, 4.0 * np.spacing(path.length))  # stops are points
     first = np.searchsorted(path.lengths, zones[:, 0] - apart)
     count = np.searchsorted(path.lengths, zones[:, 1] + apart) - first
     index = np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum())

@@ -47,6 +47,21 @@ def test_windows_take_hardly_longer_than_the_whole(jerk):
     assert total / 1e-3 == pytest.approx(round(total / 1e-3), abs=1e-6)
 
 
+@pytest.mark.parametrize("seed", [0, 2])
+def test_no_curve_between_two_stops_takes_longer_in_a_program_than_alone(seed):
+    """Where a window ends at a stop, samples at the speed of the stop stood half a second long."""
+    rng = np.random.default_rng(seed)
+    ends, curves = np.cumsum(rng.normal(size=(201, 3)) * 6.0, axis=0), []
+    for a, b in itertools.pairwise(ends):
+        inner = a + np.array([[0.25], [0.5], [0.75]]) * (b - a) + 0.5 * rng.normal(size=(3, 3))
+        curves.append(nl.NurbsCurve(3, [0, 0, 0, 0, 0.5, 1, 1, 1, 1], np.vstack([a, inner, b])))
+    speeds = rng.choice([50.0, 16.7, 200.0], len(curves)).tolist()
+    limits = {"acceleration": 2000.0, "chord_error": 1e-3, "period_s": 1e-3}
+    feeds = plan_program(curves, speeds=speeds, speed=200.0, **limits)
+    alone = [nl.plan_feed(c, speed=s, **limits).duration for c, s in zip(curves, speeds, strict=True)]
+    assert max(feed.duration - most for feed, most in zip(feeds, alone, strict=True)) < 2e-3
+
+
 @pytest.mark.parametrize("jerk", [None, 5e4])
 def test_blended_facets_take_as_long_as_a_whole_as_in_windows(jerk):
     """Their blends are down to a millionth of a facet long, where rounding must not pass for an excess."""
