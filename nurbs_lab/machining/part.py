@@ -58,15 +58,16 @@ class Part(Value):
             )
 
 
-def prepare_part(part, *, tessellation=TESSELLATION) -> Part:
+def prepare_part(part, *, tessellation=None) -> Part:
     """Sort a part into a tree of boxes.
 
     Parameters
     ----------
     part : trimesh.Trimesh, pyvista.PolyData, file name, MeshGraph, Reconstruction, NurbsSurface or Part
         A `Part` is returned as it is.
-    tessellation : float
-        Largest distance between a NURBS part and the triangles that replace it, in mm.
+    tessellation : float, optional
+        Largest distance between a NURBS part and the triangles that replace it, in mm; 1e-3 by default, or
+        the finest possible of a reconstruction where that is larger.
 
     Raises
     ------
@@ -84,10 +85,12 @@ def prepare_part(part, *, tessellation=TESSELLATION) -> Part:
     return part_named("part", part, tessellation)
 
 
-def part_named(name, part, tessellation=TESSELLATION) -> Part:
+def part_named(name, part, tessellation=None) -> Part:
     """`prepare_part` for an argument of another name."""
     if isinstance(part, Part):
         return part
+    if tessellation is None:
+        tessellation = max([TESSELLATION, *(shell.finest for shell in getattr(part, "shells", ()))])
     tessellation = as_positive("tessellation", tessellation)
     if isinstance(part, NurbsSurface) and part.dim != 3:
         raise ValueError(f"{name}: a surface needs three coordinates, not {part.dim}")

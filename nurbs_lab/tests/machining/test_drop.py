@@ -7,6 +7,7 @@ import trimesh
 import nurbs_lab as nl
 from nurbs_lab import machining
 from nurbs_lab.mesh import samples
+from nurbs_lab.mesh.solid import shell_triangles
 from nurbs_lab.tests.machining.shapes import CUTTERS, hills
 
 
@@ -83,6 +84,16 @@ def test_ball_on_a_ball_touches_on_the_line_of_centres():
     error = z - (np.sqrt(13.0**2 - d**2) - 3.0)
     assert (error <= 1e-9).all()
     assert (error >= -stated * 13.0 / np.sqrt(13.0**2 - d**2)).all()
+
+
+def test_a_solid_too_large_for_the_usual_triangles_has_the_finest_possible(monkeypatch):
+    ball = nl.reconstruct(trimesh.creation.icosphere(3, 8.0), tolerance=0.1, faces="patches")
+    monkeypatch.setattr(shell_triangles, "_MOST_TRIANGLES", 20_000)
+    assert ball.shells[0].finest > 1e-3
+    part = machining.prepare_part(ball)
+    assert 5_000 < len(part.normals) < 40_000
+    with pytest.raises(ValueError, match=r"tessellation is 0\.001 mm; give"):
+        machining.prepare_part(ball, tessellation=1e-3)
 
 
 def test_a_step_is_met_with_the_side_the_rim_or_the_corner():
