@@ -86,7 +86,9 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
     places, rows = _in_cells(ends[:-1][wide], ends[1:][wide], *seen)
     found = rows
     for _ in range(_NEARER):
-        places, found = _in_cells(*_doubtful(places, found).T, *seen)
+        if not len(doubtful := _doubtful(places, found)):
+            break
+        places, found = _in_cells(*doubtful.T, *seen)
         rows = rows + found
     return rows
 
