@@ -24,5 +24,6 @@ def shape_in(path) -> Shape:
     suffix = path.suffix.lower()
     if suffix not in READERS:
         known = ", ".join(READERS)
-        raise ValueError(f"{suffix!r} is none of the formats {known}; save it as one of these")
+        said = "a library that knows it and give the mesh, or save it as one of these"
+        raise ValueError(f"{suffix!r} is none of the formats {known}; read it with {said}")
     return READERS[suffix](path.read_bytes())

@@ -68,7 +68,7 @@ def test_a_solid_of_planes_is_refused_with_a_cure_that_works(tmp_path):
     with pytest.raises(ValueError, match=r"no surface other than planes.*; save the part as an STL"):
         nl.read(file)
     with pytest.raises(
-        ValueError, match=r"'\.step' is none of the formats \.stl, .*; save it as one of these"
+        ValueError, match=r"'\.step' is none of the formats \.stl, .*, or save it as one of these"
     ):
         nl.reconstruct(file, tolerance=0.01)
     assert nl.read(nl.export(tmp_path / "part.stl", made)).volume == pytest.approx(6)
