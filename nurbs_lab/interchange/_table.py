@@ -102,12 +102,10 @@ def _axes(names, count):
 
 def _numbers(rows, count, columns, mark, by):
     """The numbers of columns of rows ``[(place of the line, text), ...]``; a row of others is named."""
-    some = columns if len(columns) < count else None
+    texts = [row for _, row in rows] or ["-"]
     with contextlib.suppress(ValueError):
-        texts = [row for _, row in rows] or ["-"]
-        numbers = np.loadtxt(texts, delimiter=mark, ndmin=2, usecols=some)
-        if all(len(text.split(mark)) == count for text in texts) if some else numbers.shape[1] == count:
-            return numbers if some else numbers[:, columns]
+        if all(len(text.split(mark)) == count for text in texts):
+            return np.loadtxt(texts, delimiter=mark, ndmin=2, usecols=columns)
     for i, row in rows:
         words = [word.strip() for word in row.split(mark)]
         strange = (

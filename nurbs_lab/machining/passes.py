@@ -145,14 +145,14 @@ class Layout:
         aside = points[:, :2] - self._above * inward
         return (self.touch.heights(aside) > below) | (below >= points[:, 2])
 
-    def _waterlines(self, wanted, levels, first=None):
+    def _waterlines(self, wanted, levels, heights=None):
         field, size = self.field, int(GAP * self.cutter.diameter / self.field.step / 2)
 
         def needed(points, inward, slack):
             at, z = field.index(points[:, :2]), points[:, 2]
             keep = wanted[at]
-            if first:
-                near, spared = ((low[at] <= z) & (z <= high[at]) for low, high in first)
+            if heights:  # of the tips wanted near each node, and of those spared, in the first passes
+                near, spared = ((low[at] <= z) & (z <= high[at]) for low, high in heights)
                 keep &= near | ~spared
                 corner = points[keep]
                 corner[:, :2] += self.cutter.flat_radius * inward[keep]

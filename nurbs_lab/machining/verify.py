@@ -167,8 +167,9 @@ def verify(program, part, *, spacing=None) -> Verification:
             gaps = np.minimum(gaps, np.where(off < cutter.diameter, off, np.inf))
     stock = as_stock(chain[0].stock, part)
     above = material_of(stock, program.cutter).above(samples.points)
-    deep = above if program.after is None else depths(stock, above, samples.points)
-    left = (left if chain[0].stock is None else np.minimum(left, deep)) - gaps
+    if chain[0].stock is not None:
+        left = np.minimum(left, above if program.after is None else depths(stock, above, samples.points))
+    left = left - gaps
     for touch, cutter, rest, fits in rests:
         high, over = max(left[fits].max(initial=0.0), program.tolerance), np.where(fits, above, 0.0)
         some, _, deep = standing(touch, cutter, samples.points, over, high, done, rest)

@@ -47,6 +47,7 @@ WINDOW.gap (scurve), of the time        3e-3     -272 to 0               0 to +3
 WINDOW.margin (scurve), of a limit      4e-3     -424 to 0; 1.8 plans    0 to +849; 0.7 x
 _WINDOW (program), 1,000 spans          16,000   +30,000                 0
 _KEPT (program), 1,000 spans            0.25     0; 1.1 x                -1,500; 1.4 x
+_FAR (corrected), of a step             0.5      err as much (0.01)      9 of 76 leap by 2 to 99
 _SHORT (multistep), of coordinates      5e-7     holds err 3 x           slow sharp turns err 18 x
 _NEAR (multistep), of a step            0.5      errors 1 x              errors 8 x
 _FINER (certificate), the bound         8        -58 (median of 60)      +29; 1.8 x
@@ -56,8 +57,6 @@ _LONGER (_relaxation), the bound        2        0; 1.05 x               0; 1.1 
 _FIRST (_relaxation), the bound         0.1      100                     100; of 1, 1 of 4 has none
 ======================================  =======  ======================  ======================
 
-_FAR (corrected) is 0.5 of a step: at half and less 76 curves with spans 1e-3 to 1e-10 times as long as those
-beside them err as much (by 0.01 of a step), at twice 9 leap over theirs by 2 to 99 steps.
 _SHORT at 5e-6 takes 3.4 times the acceleration on slow sharp turns, and at 0 holds err by 5e-7 of a step.
 The hundredth of a step that `settle` adds to the last one: at half its value 3 of 360 paths that end at speed
 take a period too many, at twice none.

@@ -279,8 +279,8 @@ def speed_limits(tangents, curvatures, along, period, axis_speed, axis_accelerat
 
 
 @kernel
-def taken(geometry, motion, acceleration, axis_acceleration, axis_jerk, out):
-    """Fill ``out`` with the parts taken of the acceleration of the vector, and of that and the jerk of axes.
+def limits_used(geometry, motion, acceleration, axis_acceleration, axis_jerk, out):
+    """Fill ``out`` with the parts used of the acceleration of the vector, and of that and the jerk of axes.
 
     ``geometry`` holds unit tangents, curvature vectors and their rates, ``motion`` speeds, accelerations and
     jerks along the path.

@@ -137,7 +137,7 @@ def _used(track, limits, u, seen, motion, by_chords):
     most = None if limits.tangential_only else limits.acceleration, limits.axis_acceleration, limits.axis_jerk
     free, parts = np.full(geometry.shape[2], np.inf), np.empty((3, len(u)))
     given = (none if limit is None else limit for limit, none in zip(most, (np.inf, free, free), strict=True))
-    _kernels.taken(geometry, motion, *given, parts)
+    _kernels.limits_used(geometry, motion, *given, parts)
     roots = {VECTOR: np.sqrt, "axis_acceleration": np.sqrt, "axis_jerk": np.cbrt}
     found = zip(roots.items(), parts, most, strict=True)
     return rows + [(name, root(part)) for (name, root), part, limit in found if limit is not None]

@@ -142,7 +142,7 @@ def path_of(job, stepper, options):
     moved, chord, rise, commanded = (np.empty(count) for _ in range(4))
     span_kernels.moved_lengths(track.spans, track.panels, u, moved)
     leap = int(moved.argmax())
-    early = feed.duration / period_s - 1.05 * count > 16.0
+    early = feed.duration / period_s > 1.05 * count + 16.0  # by as much as `Job.last_step` lets it be late
     if None not in (stepper.order, feed.limits) and (early or moved[leap] > _LEAP * feed.peak * period_s):
         raise ValueError(
             f"step {leap} at u = {u[leap]:.9g}: {stepper.name!r} leaps {moved[leap]:.3g} mm ahead, as |C'| "

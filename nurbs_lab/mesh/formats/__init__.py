@@ -24,6 +24,8 @@ def shape_in(path) -> Shape:
     suffix = path.suffix.lower()
     if suffix not in READERS:
         known = ", ".join(READERS)
-        said = "a library that knows it and give the mesh, or save it as one of these"
-        raise ValueError(f"{suffix!r} is none of the formats {known}; read it with {said}")
+        raise ValueError(
+            f"{suffix!r} is none of the formats {known}; read it with a library that knows it and give the "
+            "mesh, or save it as one of these"
+        )
     return READERS[suffix](path.read_bytes())

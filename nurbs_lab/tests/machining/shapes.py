@@ -6,6 +6,7 @@ import trimesh
 import nurbs_lab as nl
 
 WIDE = 3.6  # mm: half the width of a slot
+DOME = trimesh.creation.icosphere(subdivisions=5, radius=8.0)
 CUTTERS = {
     "ball": nl.Cutter("ball", diameter=6.0),
     "flat": nl.Cutter("flat", diameter=6.0),
