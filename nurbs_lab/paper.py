@@ -60,6 +60,11 @@ class Claim(NamedTuple):
     notebook: str
     module: str
 
+    @property
+    def place(self):
+        """Name of its entry in notebook B, for links: 'Eq-17'."""
+        return re.sub(r"\W+", "-", self.item).strip("-")
+
 
 KINDS = ("equation", "figure", "table", "module", "parameter", "claim")
 #: What can be said of an item; notebook B defines each.
@@ -110,7 +115,8 @@ def _entry(claim):
     check = f'<a href="#{claim.check}">{claim.check}</a>'  # HTML, as Sphinx follows no links here
     number = f" **{claim.number}** (cell {check})." if claim.number else ""
     notebook = f'notebook <a href="{claim.notebook}.ipynb">{claim.notebook[:2]}</a>'
-    head = f"**{claim.item}** · *{claim.verdict}* · {notebook}, `{claim.module.removeprefix('nurbs_lab/')}`"
+    file = claim.module.removeprefix("nurbs_lab/")
+    head = f'<a id="{claim.place}"></a>**{claim.item}** · *{claim.verdict}* · {notebook}, `{file}`'
     # An equation is a paragraph of its own: Sphinx takes words in brackets behind it for its label.
     quote = "\n>\n> ".join(filter(None, re.split(r"\s*(\$\$.+?\$\$)\s*", claim.quote)))
     return f"{head}\n\n> {quote}\n\n{claim.reading}{number}"

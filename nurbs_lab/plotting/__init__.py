@@ -19,7 +19,7 @@ from importlib import import_module
 
 #: Module -> the functions in it; each module is loaded when one of its functions is first used.
 _MODULES = {
-    "chips": "area times waveform",
+    "chips": "area waveform",
     "crossings": "plane_and_triangle repeating_node",
     "curves": "basis curve",
     "dragging": "drag",

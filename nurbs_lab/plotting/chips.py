@@ -1,33 +1,10 @@
-"""Hardware in pictures: bars of time and area, waveforms."""
+"""Hardware in pictures: bars of area, waveforms."""
 
 import numpy as np
 
-from nurbs_lab.plotting.style import BLACK, BLUE, COLOURS, PALE, RED, canvas, takes_axes
+from nurbs_lab.plotting.style import BLACK, BLUE, COLOURS, PALE, canvas, takes_axes
 
 _HATCHES = ("", "//", "..", "xx", "\\\\", "++")
-
-
-@takes_axes
-def times(groups, *, period_s=None, ax=None):
-    """Bars of time on a logarithmic axis (the paper's Fig. 11 and Table 1).
-
-    Parameters
-    ----------
-    groups : mapping from name to (mapping from name to time in s)
-        Outer names along the axis, such as arrangements or parameters; inner names side by side, such as
-        'paper' and 'counted'.
-    period_s : float, optional
-        Interpolation period, drawn as the line that must not be crossed.
-    """
-    with canvas(8, 4.2, ax) as (figure, ax):
-        _bars(ax, groups, seconds)
-        ax.set_yscale("log")
-        low, high = ax.get_ylim()
-        ax.set(ylabel="time [s]", ylim=(low / 2, high * 4))
-        if period_s is not None:
-            ax.axhline(period_s, color=RED, linestyle="--", linewidth=1.2, label="interpolation period")
-        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    return figure
 
 
 @takes_axes

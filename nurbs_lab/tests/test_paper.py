@@ -1,6 +1,7 @@
 """The audit of the paper: complete, quoted, its links open, its numbers computed in the cells it names."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -50,3 +51,12 @@ def test_its_number_is_printed_by_the_cell_that_it_names(claim):
 def test_an_equation_is_a_paragraph_of_its_own(section):
     lines = [line for line in paper.audit(section).splitlines() if "$$" in line]
     assert all(line.startswith("> $$") and line.endswith("$$") and line.count("$$") == 2 for line in lines)
+
+
+def test_the_list_of_what_to_read_first_leads_to_the_entries():
+    assert len({claim.place for claim in CLAIMS}) == len(CLAIMS)
+    outputs = [output for cell in cells("B-the-paper") for output in cell.get("outputs", [])]
+    page = "".join("".join(output.get("data", {}).get("text/markdown", "")) for output in outputs)
+    led = set(re.findall(r'href="#([\w-]+)">', page))
+    assert {claim.place for claim in CLAIMS if claim.verdict == "fails"} <= led
+    assert led <= set(re.findall(r'id="([\w-]+)"', page)) | {claim.check for claim in CLAIMS}

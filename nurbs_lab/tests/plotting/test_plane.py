@@ -28,7 +28,6 @@ def texts(ax):
 def test_all_are_light_labelled_and_told_in_words(path, pipe):
     score = Score("adams", "line", chord_max=1e-4, chord_rms=1e-5, evaluations_per_step=2.0, ns_per_step=90.0)
     (layer,) = nl.slice_mesh(pipe, [0.5])
-    bars = {"serial": {"paper": 2e-3, "counted": 1e-4}}
     figures = {
         "area": plot.area({"cells": {"serial": 50}}, limits={"cells": 100}),
         "basis": plot.basis(CURVE),
@@ -44,7 +43,6 @@ def test_all_are_light_labelled_and_told_in_words(path, pipe):
             [1.0, 2.0], [1, 1], x_label="tolerance [mm]", y_label="y [mm]", log="x", markers=True
         ),
         "orders": plot.orders([1e-3, 2e-3], {"adams": [1.0, 16.0]}, y_label="error [mm]"),
-        "times": plot.times(bars, period_s=1e-3),
         "waveform": plot.waveform({"clk": [0, 1, 0]}, clock_hz=50e6),
         "weighted_graph": plot.weighted_graph(nl.mesh.mesh_graph(trimesh.creation.box())),
     }
@@ -52,7 +50,7 @@ def test_all_are_light_labelled_and_told_in_words(path, pipe):
         assert len(png_of(figure)) < 150_000, name
         assert len(words(figure)) > 20, name
         labels = [figure.get_supxlabel(), *(ax.get_xlabel() for ax in figure.axes)]
-        assert any(labels) or name in ("times", "area", "weighted_graph"), name
+        assert any(labels) or name in ("area", "weighted_graph"), name
         for label in [*labels, *(ax.get_ylabel() for ax in figure.axes)]:
             assert not re.match(r"(x|y|z|time|speed|acceleration|jerk|curvature)$", label), (name, label)
 
