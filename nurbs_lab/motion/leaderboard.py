@@ -22,8 +22,8 @@ class Score:
 
     ``evaluations_per_step`` charges every stepper with the point that moves the tool, whether its rule makes
     use of that point or not.
-    ``ns_per_step`` is the best of the repeats in processor time, tables made beforehand included. A stepper
-    that breaks down has NaN for figures and says why in ``failure``.
+    ``ns_per_step`` is the best of the repeats in processor time, with tables made beforehand, without that
+    point where the rule does not use it. A stepper that breaks down has NaN and says why in ``failure``.
     """
 
     stepper: str
