@@ -220,7 +220,7 @@ def figure_5():
 def figure_6():
     """The paper's Fig. 6, inferred from its text: four quotients of Adams side by side."""
     figure, axes = sheet(13.4, 5.6)
-    box(axes, 0.2, 0.4, 1.2, 4.9, "vt\n\nv(tⱼ)\nto\nv(tⱼ₋₃)")
+    box(axes, 0.2, 0.4, 1.2, 5.1, "vt\n\nv(tⱼ)\nto\nv(tⱼ₋₃)")
     for i in range(4):
         y = 4.4 - 1.3 * i
         for k in (0, 1):
