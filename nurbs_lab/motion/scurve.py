@@ -97,8 +97,9 @@ def s_curve(path, limits, ends, fineness):
 
 def _prepare(path, limits, speeds, lengths, squares, fineness):
     """The block of a path, and a slow motion."""
-    places = np.concatenate([[0.0], path.zones[:, :2].mean(axis=1).clip(0.0, path.length), [path.length]])
-    slowest = np.concatenate([speeds[:1], path.zones[:, 2] * path.zones[:, 3], speeds[1:]])
+    zones = _one_a_place(path)
+    places = np.concatenate([[0.0], zones[:, :2].mean(axis=1).clip(0.0, path.length), [path.length]])
+    slowest = np.concatenate([speeds[:1], zones[:, 2] * zones[:, 3], speeds[1:]])
     near = path.lengths <= places[1], path.lengths >= places[-2]
     ramps = [_out_of_rest(path, limits, fineness.margin, near[end], end) for end in (0, -1)]
     most, rest = np.transpose(ramps)
@@ -113,16 +114,23 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     of_nodes = limits_on(path, limits, nodes, speeds, fineness.margin)
     of_ends = map(tuple, (speeds, ramp_times, most))
     block = Block(nodes, ends, *of_nodes, *of_ends, np.ones(len(nodes) - 1))
-    stretches, axes = _stretches(path, places), (limits.axis_acceleration, limits.axis_jerk)
+    stretches, axes = _stretches(path, zones, places), (limits.axis_acceleration, limits.axis_jerk)
     along = zip((limits.acceleration, limits.jerk), axes, strict=True)
     steepest = [one if axis is None else min(one, axis.min()) for one, axis in along]
     return block, _guess(block, steepest, slowest, stretches)
 
 
-def _stretches(path, places):
+def _one_a_place(path):
+    """The zones of the path; of a corner at which curvatures jump too, the slower one."""
+    order = np.argsort(path.zones[:, 2] * path.zones[:, 3], kind="stable")
+    at = np.round(path.zones[order, :2].mean(axis=1) / path.length, 12)
+    return path.zones[order[np.unique(at, return_index=True)[1]]]
+
+
+def _stretches(path, zones, places):
     """Of the stretches between corners: start, stop, and the largest speed."""
     ways = np.diff(places)
-    reach = np.concatenate([[0.0], 0.5 * (path.zones[:, 1] - path.zones[:, 0]), [0.0]])
+    reach = np.concatenate([[0.0], 0.5 * (zones[:, 1] - zones[:, 0]), [0.0]])
     start = places[:-1] + np.minimum(reach[:-1], 0.25 * ways)
     stop = places[1:] - np.minimum(reach[1:], 0.25 * ways)
     runs = np.stack([np.searchsorted(path.lengths, start, "right"), np.searchsorted(path.lengths, stop)])

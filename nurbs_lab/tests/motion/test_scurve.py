@@ -113,6 +113,17 @@ def test_a_corner_may_be_nearly_a_stop(chord_error):
     assert nl.plan_feed(corner, jerk=1e8, **limits).duration == pytest.approx(stops, rel=0.03)
 
 
+@pytest.mark.parametrize(("seed", "jerk"), [(0, 1e4), (1, 1e3), (4, 1e4), (5, 1e3)])
+def test_a_corner_at_which_the_curvature_jumps_is_one_place(seed, jerk):
+    """Axes keep their jerks, by third differences of positions, at a corner between two arcs too."""
+    points = 10 * np.random.default_rng(seed).normal(size=(7, 2))
+    curve = nl.NurbsCurve(3, [0] * 4 + [0.5] * 3 + [1] * 4, points)
+    feed = nl.plan_feed(curve, speed=100.0, acceleration=100.0, axis_jerk=jerk, period_s=1e-3)
+    s = feed.displacement(1e-3 * np.arange(round(feed.duration / 1e-3) + 1))
+    places = curve(curve.parameter_at(s.clip(0.0, curve.length())))
+    assert np.abs(np.diff(places, 3, axis=0)).max() <= 1.001e-9 * jerk
+
+
 @pytest.mark.parametrize("speed", [1e-3, 1e-5, 1e-8])
 def test_ramps_of_a_creeping_motion_take_next_to_no_time(speed):
     """They are up to 1e-15 of the path; a grid too coarse for them took up to 980 times its time."""
