@@ -3,7 +3,7 @@
 import re
 from collections import defaultdict
 
-from nurbs_lab.interchange._gcode_words import Parameters, arguments_of, shown
+from nurbs_lab.interchange._gcode_words import FANUC, Parameters, arguments_of, shown
 
 O_WORD = re.compile(r"(?:N\d+\s*)?[O:]\s*(?:<([^<>]*)>|(\d{1,9})(?![\d.]))\s*([A-Z]*)\s*(.*)")
 #: Word that opens a block -> the words that go on with it, the last of which closes it.
@@ -39,6 +39,7 @@ class Flow:
                     self.programs[name] = place
             elif line[:1] == "O" and self.words:
                 self._refuse(place, "is no line of o-words")
+        self.parameters.fanuc = FANUC if self.programs else {}
         self._pair()
 
     def _pair(self):

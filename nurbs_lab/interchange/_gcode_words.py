@@ -45,7 +45,7 @@ REWRITTEN = {
     ("ADIS", r"\bADIS(?:POS)?[ \t]*=[ \t]*[\d.]+"): "",  # how far G641 rounds a corner
     ("TURN=", r"TURN=([\d.]+)"): r" P[1+\1]",  # full turns before the arc
     ("M11", r"^[ \t]*(?:N\d+[ \t]*)?M11[78]\b[^\n]*"): "",
-    ("THEN", r"IF[ \t]*(\[[^\n]*\])[ \t]*THEN[ \t]*(#\d+)[ \t]*=([^\n(;]*)"): r"\2=[\1*[\3]+[1-\1]*\2]",
+    ("THEN", r"IF[ \t]*(\[[^\n]*\])[ \t]*THEN[ \t]*#(\d+)[ \t]*=([^\n(;]*)"): r"#[\1*\2+[1-\1]*4999]=\3",
     ("WHILE", r"WHILE[ \t]*(\[[^\n]*\])[ \t]*DO[ \t]*(\d)"): r"O<DO\2> WHILE \1",
     ("END", r"END[ \t]*(\d)"): r"O<DO\1> ENDWHILE",
     ("GOTO", r"(?:IF[ \t]*(\[[^\n]*\])[ \t]*GOTO|GOTO)[ \t]*(\d+)"): lambda found: (
@@ -72,7 +72,7 @@ NO_WORDS = {
     r"^\$": "is a command to the console of GRBL, not of a program",
     r"\bF(?:[UZ][\d.]|T)": "gives its feed by the turn, the tooth or the time",
     r"\b[QR]\d+\s*=|=\s*[QR]\d|[A-Z][-+]?Q\d|#<_R\d": "holds parameters that this reader does not know",
-    r"^(?:N\d+\s*)?[A-Z_]{2,}\w*[ \t]*\(": "calls what this reader does not know",
+    r"^(?:N\d+\s*)?[A-Z_]{2,}\w*[ \t]*(?:[\v(\"]|[A-Z]{2,}|$)": "calls what this reader does not know",
     r"[()]": "holds a bracket within a comment, or one that is not closed; mend it",
 }
 #: What shows a printer: an E word beside a move, a heater, and G28 or G29 with a letter that has no number.
@@ -124,6 +124,8 @@ BINARY = {
 }
 UNARY = {"ABS": abs, "EXP": math.exp, "FIX": math.floor, "FUP": math.ceil, "LN": math.log, "SQRT": math.sqrt}
 UNARY["ROUND"] = lambda x: math.copysign(math.floor(abs(x) + 0.5), x)
+#: What Fanuc does otherwise with negative numbers.
+FANUC = {"FIX": math.trunc, "FUP": lambda x: math.copysign(math.ceil(abs(x)), x), "MOD": math.fmod}
 UNARY |= {f.__name__.upper(): lambda x, f=f: f(math.radians(x)) for f in (math.cos, math.sin, math.tan)}
 UNARY |= {f.__name__.upper(): lambda x, f=f: math.degrees(f(x)) for f in (math.acos, math.asin)}
 OPERATOR = re.compile(r"\s*(\*\*|[-+*/]|MOD|EQ|NE|GT|GE|LT|LE|AND|OR|XOR)")
@@ -299,7 +301,7 @@ class Scanner:
             self.expect("/")
             over = self.value()
             return lambda p: math.degrees(math.atan2(inner(p), over(p)))
-        return (lambda p: _applied(UNARY[name], inner(p))) if name else inner
+        return (lambda p: _applied(p.fanuc.get(name, UNARY[name]), inner(p))) if name else inner
 
     def parameter(self):
         """What names a parameter after its #: a name, or the value of a number."""
@@ -315,21 +317,17 @@ class Scanner:
         while (found := OPERATOR.match(self.line, self.at)) and BINARY[found[1]][0] >= level:
             self.at = found.end()
             precedence, operation = BINARY[found[1]]
-            left = partial(_both, operation, left, self.expression(precedence + 1))
+            left = partial(_both, found[1], operation, left, self.expression(precedence + 1))
         return left
 
 
-def _both(operation, left, right, parameters):
-    return _applied(operation, left(parameters), right(parameters))
+def _both(name, operation, left, right, parameters):
+    return _applied(parameters.fanuc.get(name, operation), left(parameters), right(parameters))
 
 
 def _numbered(number):
     if number != int(number) or number < 1:
-        why = (
-            "whose numbers are 1, 2 and so on; mend it"
-            if number
-            else "but empty in Fanuc; write what it means"
-        )
+        why = "whose numbers are 1, 2, ...; mend it" if number else "but empty in Fanuc; write what it means"
         raise ValueError(f"#{number:g} is no parameter, {why}")
     return number
 
@@ -345,13 +343,18 @@ def _applied(operation, *values):
 
 
 class Parameters(dict):
-    """Numbered and named parameters; a number that was never set gives 0, and a name is refused."""
+    """Numbered and named parameters; a number that was never set gives 0, and a name is refused.
+
+    Of programs of Fanuc, whose functions ``fanuc`` holds, such a number is refused too.
+    """
 
     def __missing__(self, key):
         if isinstance(_own(key), str):
             if R_PARAMETER.match(key):
                 raise ValueError(f"{key[1:]} has no value of a block before this one; give it one there")
             raise ValueError(f"#<{key.lower()}> is not set in this file; give it a value first")
+        if self.fanuc:
+            raise ValueError(f"#{key:g} is not set in this file, and empty in Fanuc; give it a value first")
         return 0.0
 
 

@@ -137,6 +137,8 @@ REFUSED = [
     ("G1 X2 F0", r"line 4: the move has no feed"),
     ("G1 X2 F-1", r"line 4: the feed of F-1 is not positive"),
     ("G1 XX2", r"line 4: 'G1 XX2' is no row of words"),
+    ("POCKET4(10,0,2,-9)", r"line 4: 'POCKET4\(10,0,2,-9\)' calls what .*; write its moves out"),
+    ("TCH PROBE 400", r"line 4: 'TCH PROBE 400' calls what .*; write its moves out"),
     ("G1 X2 X3", r"line 4: X3 follows another X"),
     ("G1 X2 P3", r"line 4: P3 is not known in such a move"),
     ("G0 X1 (open", r"line 4: 'G0 X1 \(OPEN' holds a bracket within a comment"),

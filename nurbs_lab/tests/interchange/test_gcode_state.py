@@ -113,6 +113,19 @@ def test_offsets_that_fanuc_and_linuxcnc_write_alike(tmp_path, begin, block, end
     assert ends([move])[0, 0] == ends_at
 
 
+def test_functions_that_fanuc_and_linuxcnc_write_alike(tmp_path):
+    """Of negative numbers; and a variable that nothing has set is empty in Fanuc, not 0."""
+    block = "G1 X[FIX[-2.5]] Y[FUP[-2.1]] Z[-7 MOD 3]\n"
+    for begin, ends_at in (("", (-3, -2, 2)), ("%\nO5\n", (-2, -3, -1))):
+        (move,) = program(tmp_path, f"{begin}{START}{block}M30\n" + "%" * bool(begin)).moves
+        np.testing.assert_array_equal(ends([move]), [ends_at])
+    assert len(program(tmp_path, f"{START}G1 X1\nX#100 Y3\nM30\n").moves) == 2
+    with pytest.raises(ValueError, match="#100 is not set in this file, and empty in Fanuc; give it a value"):
+        program(tmp_path, f"%\nO5\n{START}G1 X1\nX#100 Y3\nM30\n%")
+    text = "IF [1 EQ 1] THEN #2=7\nIF [1 EQ 2] THEN #3=8\nG1 X#2\n"
+    np.testing.assert_array_equal(ends(program(tmp_path, f"O5\n{START}{text}M30\n").moves), [(7, 0, 0)])
+
+
 @pytest.mark.parametrize(("word", "feed"), [("G70", 1.0), ("G700", 25.4), ("G20", 25.4)])
 def test_inches_of_paths_and_of_feeds(tmp_path, word, feed):
     """G70 of Siemens leaves F as it is."""
