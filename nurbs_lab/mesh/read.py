@@ -36,7 +36,7 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
         mesh = mesh.to_mesh()
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
         vertices, triangles = mesh.vertices, mesh.faces
-    elif hasattr(mesh, "points") and hasattr(mesh, "regular_faces"):
+    elif hasattr(mesh, "points") and hasattr(mesh, "is_all_triangles"):
         surface = mesh if mesh.is_all_triangles else mesh.triangulate()
         vertices, triangles = surface.points, surface.regular_faces
     else:

@@ -8,6 +8,7 @@ from nurbs_lab.nurbs import _kernels_band, knots
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 from nurbs_lab.nurbs.surface import NurbsSurface
 
+MISSED = 1e-6  # of the extent: a curve that swings so wildly is not one through its points
 UNIT = 1e-6  # a tangent whose length differs from 1 by less is a direction
 
 
@@ -64,8 +65,13 @@ def interpolate_curve(
     uniform = parametrization == "universal" and parameters is None
     if tangents:
         return _with_tangents(degree, t, points, tangents, closed)
-    knot_vector, control = interpolate_values(degree, t, points, closed, uniform)
-    return NurbsCurve(degree, knot_vector, control)
+    curve = NurbsCurve(degree, *interpolate_values(degree, t, points, closed, uniform))
+    away = checks.lengths(curve(t[: len(points)]) - points).max()
+    if away > MISSED * np.ptp(points):
+        swings = f"swings up to {np.abs(curve.control_points).max():.3g} and misses them by {away:.3g}"
+        cure = "take a lower degree, or parametrization='centripetal'"
+        raise ValueError(f"points: the curve of degree {degree} {swings}; {cure}")
+    return curve
 
 
 @one_or_many(ndim=3)

@@ -35,9 +35,8 @@ def triangles(surface, tolerance):
         for axis in growing:
             cells[axis] *= 2
     if off > tolerance:
-        raise ValueError(
-            f"tolerance = {tolerance} needs more than {MOST} points along a direction; {off:.3g} is reached"
-        )
+        said = f"tolerance = {tolerance:.3g} needs more than {MOST} points along a direction"
+        raise ValueError(f"{said}; allow {off:.3g}, or export the surface as .step")
     points = surface.grid(u[::2], v[::2])
     return points.reshape(-1, surface.dim), grid_triangles(*points.shape[:2])
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import pyvista
 import trimesh
 
 from nurbs_lab.mesh import mesh_graph, slice_mesh
@@ -126,3 +127,9 @@ def test_a_body_in_the_void_of_another_has_no_backs():
     )
     assert not graph.junk.any()
     assert slice_mesh(graph, [0.1])[0].area == pytest.approx(16.0)
+
+
+def test_polygons_of_several_sizes_and_strips_are_a_mesh():
+    for surface in (pyvista.Cylinder(resolution=7), pyvista.Cylinder(resolution=7).strip()):
+        (layer,) = slice_mesh(surface, 0.1, "x")
+        assert layer.area == pytest.approx(7 / 2 * 0.5**2 * np.sin(2 * np.pi / 7), rel=1e-5)

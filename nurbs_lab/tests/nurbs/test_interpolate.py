@@ -266,3 +266,11 @@ def test_inner_knots_are_means_of_neighbouring_parameters(degree):
     sheet = points[:, None] + points * [1, 1, -1]  # every row and every column is the same curve, moved
     for knots in nl.interpolate_surface(sheet, (degree, degree)).knots:
         assert_allclose(knots, expected, atol=1e-14)
+
+
+def test_a_curve_that_misses_its_points_is_refused_and_the_cure_works():
+    points = np.column_stack([10 ** np.linspace(-6, 2, 60), np.sin(np.linspace(0, 6, 60))])
+    with pytest.raises(ValueError, match=r"swings up to .* and misses them by .*='centripetal'"):
+        nl.interpolate_curve(points, 9)
+    curve = nl.interpolate_curve(points, 9, parametrization="centripetal")
+    assert curve.closest_point(points)[1].max() < 1e-11
