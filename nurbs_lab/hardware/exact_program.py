@@ -8,7 +8,7 @@ from math import ceil, comb, floor
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
 
-from nurbs_lab.common.checks import as_count, as_kind, as_positive, as_sequence, lengths
+from nurbs_lab.common.checks import as_count, as_kind, as_positive, as_sequence
 from nurbs_lab.hardware.arithmetic import SHIPPED, Format, round_shift
 from nurbs_lab.hardware.feed import RECORDS, distances, feed_records
 from nurbs_lab.hardware.feed_override import Limits, override_limits
@@ -16,6 +16,8 @@ from nurbs_lab.hardware.stepper import limit_writes, loaded_limits
 from nurbs_lab.motion import FeedProfile
 from nurbs_lab.motion.feed import MOST_SAMPLES
 from nurbs_lab.nurbs import NurbsCurve, approximate_curve
+from nurbs_lab.nurbs.along import lengths_along
+from nurbs_lab.nurbs.measure import UNEVEN, spread
 
 #: Bits of t below those that enter a product; bits of lengths below the last one of a step.
 T_GUARD, S_GUARD = 12, 12
@@ -216,16 +218,19 @@ def pieces_of(curve):
 
 def _cubics(curve):
     """Bezier curves of degree 3 at most and the interval of each; near the curve if it has weights."""
-    for bezier in curve.beziers():
+    waiting = curve.beziers()[::-1]
+    while waiting:
+        bezier = waiting.pop()
         if not curve.rational and curve.degree <= 3:
             yield bezier, bezier.domain
-            continue
-        u = np.linspace(*bezier.domain, 201)
-        points = bezier(u)
-        along = np.cumsum(np.append(0.0, lengths(np.diff(points, axis=0))))
-        near = approximate_curve(points, 3, tolerance=_NEAR * np.ptp(curve.control_points, axis=0).max())
-        for piece in near.beziers():
-            yield piece, np.interp(piece.domain, along / along[-1], u)
+        elif bezier.weights.max() > UNEVEN * bezier.weights.min():
+            waiting += bezier.split(sum(bezier.domain) / 2)[::-1]
+        else:
+            u, points = spread(bezier, 201)
+            near = approximate_curve(points, 3, tolerance=_NEAR * np.ptp(curve.control_points, axis=0).max())
+            along = lengths_along(points)
+            for piece in near.beziers():
+                yield piece, np.interp(piece.domain, along / along[-1], u)
 
 
 def build_exact_program(

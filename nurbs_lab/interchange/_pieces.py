@@ -9,6 +9,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.nurbs import NurbsCurve, refinement
+from nurbs_lab.nurbs.measure import UNEVEN
 from nurbs_lab.nurbs.refinement import halved, project
 from nurbs_lab.nurbs.spans import find_breaks
 
@@ -20,9 +21,13 @@ MARGIN = 0.9  # of the tolerance, kept at the probes: errors between them are la
 
 
 def bezier_rows(curve):
-    """The Bezier pieces of a curve, ``(m, p + 1, dim + 1)``, in order."""
+    """The Bezier pieces of a curve, ``(m, p + 1, dim + 1)``, in order, in each of which the weights are even.
+
+    Else nearly all of a piece may lie between two probes.
+    """
     ends = find_breaks(curve.knots, curve.degree)
-    return refinement.bezier_rows(curve.degree, curve.knots, curve.homogeneous, ends)
+    rows = refinement.bezier_rows(curve.degree, curve.knots, curve.homogeneous, ends)
+    return split_until(rows, lambda rows: rows[..., -1].max(axis=1) <= UNEVEN * rows[..., -1].min(axis=1))
 
 
 def split_until(rows, fits):

@@ -14,6 +14,7 @@ from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
 from nurbs_lab.machining.stock import RIM, TIP_SPACING, as_stock, bounds_of, cell_of, needle, stock_field
 from nurbs_lab.mesh.read import without_cache
+from nurbs_lab.nurbs.measure import spread
 
 CONTACTS = (
     ("rapid moves cut", "plan the program for this stock"),
@@ -115,7 +116,7 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
             before[:], since, kind = heights, 0.0, move.kind
             top = before.max() - bodies[:, 1].min()
         since += TIP_SPACING * resolution * counts[i]
-        tips = move.curve(np.linspace(*move.curve.domain, int(counts[i])))
+        tips = spread(move.curve, int(counts[i]))[1]
         grow = rounding if move.kind == "rapid" else 0.0
         kernels.cut(grid, tips, cutter.shape, grow, bodies, before, top, rim, found[i])
     contacts = np.zeros((len(found), len(CONTACTS)))

@@ -10,6 +10,8 @@ from nurbs_lab.nurbs.spans import find_breaks, span_table
 
 AREA_TOLERANCE = 1e-13  # of the whole area: a patch and its quarters must agree to that
 AREA_ROUNDS = 8  # of quartering
+UNEVEN = 4.0  # ratio of weights in a piece: even steps of its parameter are not even lengths beyond it
+LONG = 4.0  # even steps of the control polygon: longer ones are halved
 ARC_TOLERANCE = 1e-15  # of the whole length: the quadrature of a panel and of its halves must agree to that
 
 
@@ -42,6 +44,21 @@ def length(curve, u0, u1):
     if rounds:
         total += rounds * span_kernels.panel_table(spans, ARC_TOLERANCE, low, high)[1][-1]
     return float(size * total)
+
+
+def spread(curve, count):
+    """Parameters from end to end and the points there: ``count`` even ones, and more where a step is long.
+
+    That is where it is more than `LONG` times as long as one of as many even steps along the control polygon.
+    """
+    longest = LONG * checks.lengths(np.diff(curve.control_points, axis=0)).sum() / (count - 1)
+    u = np.linspace(*curve.domain, count)
+    while True:
+        points, middle = curve(u), (u[:-1] + u[1:]) / 2
+        long = (checks.lengths(np.diff(points, axis=0)) > longest) & (u[:-1] < middle) & (middle < u[1:])
+        if not long.any():
+            return u, points
+        u = np.sort(np.r_[u, middle[long]])
 
 
 @interruptible()

@@ -101,7 +101,7 @@ def test_a_circle_is_a_circle_within_a_millionth_of_its_size():
     assert set(path.details["cycles"][3:-1]) == {24}
 
 
-@pytest.mark.parametrize("weights", [None, [1.0, 3.0, 0.5, 1.0, 2.0]])
+@pytest.mark.parametrize("weights", [None, [1.0, 3.0, 0.5, 1.0, 2.0], [0.02, 30.0, 0.5, 0.01, 2.0]])
 def test_weights_and_high_degrees_run_within_a_millionth_of_the_size(weights):
     points = [[0, 0, 0], [1, 2, 1], [3, 2, 0], [5, -1, 2], [6, 0, 0]]
     curve = nl.NurbsCurve(4, [0] * 5 + [1] * 5, points, weights)

@@ -86,6 +86,20 @@ def test_chords_and_cubics_keep_any_tolerance(one, tolerance):
     assert one.closest_point(points)[1].max() <= tolerance
 
 
+@pytest.mark.parametrize("dialect", ["g1", "arcs", "heidenhain"])
+def test_weights_far_apart_hide_nothing_between_the_probes(dialect, tmp_path):
+    """Nearly all of a piece may lie within a hundredth of its parameter."""
+    rng = np.random.default_rng(1)
+    for degree in (2, 3, 4, 5):
+        points, weights = 20 * rng.normal(size=(degree + 3, 2)), 10 ** rng.uniform(-3, 3, degree + 3)
+        knots = [0.0] * (degree + 1) + [0.5, 0.7] + [1.0] * (degree + 1)
+        one = nl.NurbsCurve(degree, knots, points, weights)
+        file = tmp_path / ("a.h" if dialect == "heidenhain" else "a.ngc")
+        moves = nl.read(nl.export(file, one, dialect=dialect, **{**ASKED, "axes": "XY"})).moves
+        places = [m.curve(np.linspace(*m.curve.domain, 60))[:, :2] for m in moves if m.kind == "cut"]
+        assert one.closest_point(np.concatenate(places))[1].max() <= 1.01 * ASKED["tolerance"]
+
+
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-3, 1e-5])
 def test_a_circle_takes_few_chords(tolerance):
     """Chords between points of a circle are at least as many as their largest angle allows."""

@@ -228,6 +228,23 @@ def test_verify_finds_a_gouge_and_what_was_left_out(program):
     assert nl.verify(some, mesh).fraction_above(SCALLOP) > 0.05
 
 
+@pytest.mark.parametrize(
+    ("knots", "weights"),
+    [([0, 0, 1e-4, 1, 1], None), ([0, 0, 1 - 1e-7, 1, 1], None), ([0, 0, 0.5, 1, 1], [1e-4, 1, 1])],
+)
+def test_a_move_of_uneven_speed_is_seen_from_end_to_end(knots, weights):
+    """A polyline that is half a millimetre too deep: nearly all of it lies between two parameters."""
+    points = [(-2.0, 5.0, 3.5), (20.0, 5.0, 3.5), (42.0, 5.0, 3.5)]
+    move = machining.Move("cut", nl.NurbsCurve(1, knots, points, weights), 10.0)
+    program = machining.Program([move], CUTTERS["ball"])
+    part = trimesh.creation.box(bounds=[(0, 0, 0), (40, 10, 4)])
+    milled = nl.simulate(program, [(0, 0, 0), (40, 10, 5)], 0.2)
+    np.testing.assert_allclose(milled.remaining(part)[1:-1, 25], -0.5, rtol=0, atol=0.01)
+    found = nl.verify(program, part)
+    assert found.gouge == pytest.approx(0.5)
+    assert np.ptp(found.gouges[:, 0]) > 39.0
+
+
 def test_the_virtual_machine_agrees_with_closed_forms():
     """A ball along a line through a block: the groove's cross-section times its length."""
     line = nl.NurbsCurve(1, [0, 0, 1, 1], [(-30.0, 0.05, -1.0), (30.0, 0.05, -1.0)])
