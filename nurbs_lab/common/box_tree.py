@@ -74,8 +74,9 @@ def morton(cells):
 
 def order_along(places):
     """An order of places ``(n, dim)`` along the Z-order curve, in which neighbours come together."""
-    extent = np.ptp(places, axis=0).max()
-    cells = (places - places.min(axis=0)) * ((2**20 - 1) / extent if extent > 0 else 0.0)
+    low, high = np.array([[x.min(), x.max()] for x in places.T]).T
+    extent = (high - low).max()
+    cells = (places - low) * ((2**20 - 1) / extent if extent > 0 else 0.0)
     return np.argsort(morton(cells.astype(np.int64)), kind="stable")
 
 

@@ -63,7 +63,9 @@ class TriangleTree:
 
 def triangle_tree(corners) -> TriangleTree:
     """Sort the triangles ``corners (m, 3, 3)`` into a binary tree of boxes along the Morton curve."""
-    order, boxes = tree_along(corners.mean(axis=1), corners.min(axis=1), corners.max(axis=1))
+    a, b, c = np.moveaxis(corners, 1, 0)
+    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    order, boxes = tree_along((a + b + c) / 3.0, low, high)
     corners = np.ascontiguousarray(corners[order])
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return TriangleTree(corners.reshape(-1, 9), normals, boxes, order)
