@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from nurbs_lab.common.kernels import compiled
+from nurbs_lab.common.kernels import compiled, kernel
 from nurbs_lab.mesh.solid.net import DEGREE
 
 ROUNDS = 6  # of Gauss-Newton
 
 
-@compiled
+@kernel
 def bernstein(t, values, slopes):
     """The Bernstein polynomials and their derivatives at t."""
     values[:], slopes[:] = 0.0, 0.0
@@ -23,7 +23,7 @@ def bernstein(t, values, slopes):
         values[0] *= 1.0 - t
 
 
-@compiled
+@kernel
 def tangents(net, u, v, work, out):
     """Point, derivative by u and derivative by v of one patch, the rows of ``out``."""
     a, da, b, db = work
