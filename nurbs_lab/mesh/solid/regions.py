@@ -191,14 +191,11 @@ def _grown(facets, links, free, surface, seed):
 
 
 def _absorb(facets, found, label):
-    """Bad triangles beside a region and smaller regions join it if they lie on its surface."""
+    """Bad triangles beside a region join it if they lie on its surface, those of the largest first."""
     a, b = facets.sides.T
     few = np.bincount(facets.of) <= 2  # triangles
     numbers, counts = np.unique(label[label >= 0], return_counts=True)
     for k in numbers[np.argsort(-counts, kind="stable")]:
         on = facets.on(found[k])
-        for j in np.unique(label[b[(label[a] == k) & (label[b] >= 0)]]):
-            if on[label == j].all() and np.count_nonzero(label == j) < np.count_nonzero(label == k):
-                label[label == j] = k
         while (new := np.unique(b[(label[a] == k) & on[b] & few[b] & (label[b] < 0)])).size:
             label[new] = k
