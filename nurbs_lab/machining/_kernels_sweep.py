@@ -104,14 +104,14 @@ def rest_at(grid, x, y, shape, grow):
 
 
 @compiled
-def cut(grid, tips, shape, grow, bodies, before, top, rim, found):
+def cut(grid, tips, shape, grow, bodies, before, top, rim, edges, found):
     """Lower a height field to the cutter at each of the tips.
 
     The distance of a node from the axis counts as larger by ``grow``. ``bodies (k, 2)`` have a radius and a
-    height above the tip, and meet nothing with tips above ``top``. ``found (3 + k,)`` takes the volume, the
-    largest amount by which material stood above the tip under the cutter, the same for material whose top, as
-    it was in the heights ``before``, is cut off and came deeper than ``rim`` into the cutter, and how deep
-    each body was in it.
+    height above the tip, and meet nothing with tips above ``top``. ``found (3 + k,)`` takes the volume, with
+    ``edges`` the share of a cell at the first and last x and y that is stock, the largest amount by which
+    material stood above the tip under the cutter, the same for material whose top, as it was in the heights
+    ``before``, is cut off and came deeper than ``rim`` into the cutter, and how deep each body was in it.
     """
     (heights, low, step), w = grid, shape[3]
     nx, ny = heights.shape
@@ -131,7 +131,9 @@ def cut(grid, tips, shape, grow, bodies, before, top, rim, found):
                 off = step * np.sqrt((i - x) ** 2 + (j - y) ** 2) + grow
                 lower = z + rise(min(off, w), shape)
                 if lower < heights[i, j]:
-                    volume += heights[i, j] - lower
+                    share = edges[0] if i == 0 or i == nx - 1 else 1.0
+                    share *= edges[1] if j == 0 or j == ny - 1 else 1.0
+                    volume += share * (heights[i, j] - lower)
                     found[1] = max(found[1], heights[i, j] - z)
                     heights[i, j] = lower
                 above = before[i, j] - z

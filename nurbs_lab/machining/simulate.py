@@ -104,7 +104,9 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
     if stock is None and program.stock is None:
         raise ValueError("program does not know its stock; give it, such as machining.stock_around(part)")
     cutter = program.cutter
-    field = stock_field(as_stock(program.stock if stock is None else stock), resolution)
+    stock = as_stock(program.stock if stock is None else stock)
+    field = stock_field(stock, resolution)
+    edges = 0.5 - np.ptp(field.bounds - bounds_of(stock), axis=0)[:2] / (2.0 * resolution)
     counts = [lengths(np.diff(move.curve.control_points, axis=0)).sum() for move in program.moves]
     counts = np.ceil(np.array(counts) / (TIP_SPACING * resolution)) + 1
     bodies, heights = np.array([sizes for _, *sizes in cutter.bodies]), field.z.copy()
@@ -118,7 +120,7 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
         since += TIP_SPACING * resolution * counts[i]
         tips = spread(move.curve, int(counts[i]))[1]
         grow = rounding if move.kind == "rapid" else 0.0
-        kernels.cut(grid, tips, cutter.shape, grow, bodies, before, top, rim, found[i])
+        kernels.cut(grid, tips, cutter.shape, grow, bodies, before, top, rim, edges, found[i])
     contacts = np.zeros((len(found), len(CONTACTS)))
     contacts[:, 1 : 1 + len(bodies)] = np.maximum(found[:, 3:], 0.0)
     rapid = [move.kind == "rapid" for move in program.moves]

@@ -158,7 +158,7 @@ class Material:
         """Remove what the cutter removes along a curve."""
         none, tips, grow, field = np.empty((0, 2)), self.along(curve), HALF * self.field.step, self.field
         grid = field.z, field.origin, field.step
-        kernels.cut(grid, tips, self.cutter.shape, grow, none, field.z, 0.0, 0.0, np.zeros(3))
+        kernels.cut(grid, tips, self.cutter.shape, grow, none, field.z, 0.0, 0.0, np.ones(2), np.zeros(3))
 
     def rest(self, xy, wider=None) -> np.ndarray:
         """Height of the tip from which upwards the cutter certainly touches no material, at ``xy (n, 2)``.

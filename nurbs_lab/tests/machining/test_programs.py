@@ -245,6 +245,14 @@ def test_a_move_of_uneven_speed_is_seen_from_end_to_end(knots, weights):
     assert np.ptp(found.gouges[:, 0]) > 39.0
 
 
+@pytest.mark.parametrize("resolution", [0.05, 0.2, 1 / 3, 1.1, 4.0])
+def test_facing_removes_the_volume_of_the_layer_whatever_the_resolution(resolution):
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(-20.0, 1.0, 1.5), (20.0, 1.0, 1.5)])
+    program = machining.Program([machining.Move("cut", line, 10.0)], nl.Cutter("flat", diameter=12.0))
+    milled = nl.simulate(program, [(0, 0, 0), (3, 2, 2)], resolution)
+    assert milled.volumes.sum() == pytest.approx(3.0)
+
+
 def test_the_virtual_machine_agrees_with_closed_forms():
     """A ball along a line through a block: the groove's cross-section times its length."""
     line = nl.NurbsCurve(1, [0, 0, 1, 1], [(-30.0, 0.05, -1.0), (30.0, 0.05, -1.0)])
