@@ -316,13 +316,12 @@ class Scanner:
         left = self.value()
         while (found := OPERATOR.match(self.line, self.at)) and BINARY[found[1]][0] >= level:
             self.at = found.end()
-            precedence, operation = BINARY[found[1]]
-            left = partial(_both, found[1], operation, left, self.expression(precedence + 1))
+            left = partial(_both, found[1], left, self.expression(BINARY[found[1]][0] + 1))
         return left
 
 
-def _both(name, operation, left, right, parameters):
-    return _applied(parameters.fanuc.get(name, operation), left(parameters), right(parameters))
+def _both(name, left, right, parameters):
+    return _applied(parameters.fanuc.get(name, BINARY[name][1]), left(parameters), right(parameters))
 
 
 def _numbered(number):

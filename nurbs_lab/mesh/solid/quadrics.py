@@ -130,11 +130,12 @@ def improved(quadric, points):
     free = ROUND[quadric.kind]
     for step in range(_STEPS):
         gaps = quadric.distances(points)
-        if step > 3 and np.abs(gaps).max() > _FAR:
+        slopes = quadric.slopes(points)[:, free]
+        if not np.isfinite(slopes).all() or (step > 3 and np.abs(gaps).max() > _FAR):
             return None
         x = np.zeros(7)
-        x[free] = np.linalg.lstsq(quadric.slopes(points)[:, free], -gaps, rcond=_TOLD)[0]
-        if not np.abs(x).max() < 1.0:  # far away, or not a number
+        x[free] = np.linalg.lstsq(slopes, -gaps, rcond=_TOLD)[0]
+        if not np.abs(x).max() < 1.0:  # far away
             return None
         quadric = quadric.moved(x)
         if np.abs(x).max() < 1e-13:

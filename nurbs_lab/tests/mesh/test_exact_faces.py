@@ -374,3 +374,8 @@ def test_exact_faces_that_cannot_be_drawn_become_patches(monkeypatch):
     solid = nl.reconstruct(trimesh.creation.box(), tolerance=0.01)
     assert {face.kind for face in solid.faces} == {"patch"}
     assert solid.within_tolerance
+
+
+def test_no_library_prints_that_a_guess_is_no_number(capfd):
+    nl.reconstruct(trimesh.creation.cylinder(5, 20), tolerance=0.05)
+    assert "illegal" not in "".join(capfd.readouterr())
