@@ -61,7 +61,7 @@ WHOLE (reader)           1 - 1e-10     6 of 24 files         of 24 files: 0; 0
 skinned._FINE            2e-3                                of 36 tubes: 0; 0
 trimmed._FINE            0.05 tol.                           of 27: 0; 0, the deviation known to 10 %
 trimmed._FINEST          2e-6                                of 27: 0; 0
-trimmed._SHARP           1 degree                            of 447 edges: 0; 0
+trimmed.SHARP            1 degree                            of 447 edges: 0; 0
 =======================  ============  ====================  ==============================================
 
 Rules without a constant, off: in `features` chains of sharp edges with a free end, which change the edges of

@@ -203,24 +203,21 @@ def _sharp_edges(triangles, sharp):
 
 def _drop_short(vertices, triangles, opposite, sharp, sharp_angle, apart):
     """Forget chains of sharp edges with a free end, and connected ones shorter than ``apart`` a corner."""
-
-    def forget(lost):
-        sharp[lost] = sharp[opposite[lost]] = False
-
     ends, chosen = _sharp_edges(triangles, sharp)
     while len(chosen):
         free = np.bincount(ends[chosen].ravel(), minlength=len(vertices)) == 1
         lost = free[ends[chosen]].any(axis=1)
         if not lost.any():
             break
-        forget(chosen[lost])
+        sharp[chosen[lost]] = sharp[opposite[chosen[lost]]] = False
         chosen = chosen[~lost]
     a, b = ends[chosen].T
     length = np.linalg.norm(vertices[a] - vertices[b], axis=1)
     part = components(len(vertices), a, b)[1]
     corners = _kinds(vertices, triangles, sharp, sharp_angle) == _kernels_ring.CORNER
     least = apart * np.bincount(part, corners)
-    forget(chosen[(np.bincount(part[a], length, len(least)) < least)[part[a]]])
+    lost = chosen[(np.bincount(part[a], length, len(least)) < least)[part[a]]]
+    sharp[lost] = sharp[opposite[lost]] = False
 
 
 def _kinds(vertices, triangles, sharp, sharp_angle):

@@ -19,7 +19,7 @@ from nurbs_lab.mesh.solid.net import side_places
 from nurbs_lab.mesh.solid.patches import Patches
 from nurbs_lab.mesh.solid.refine import Fitted, build
 from nurbs_lab.mesh.solid.shell_triangles import finest, shell_triangles
-from nurbs_lab.mesh.solid.trimmed import Measured, TrimmedShell, exact_shell, fine_enough
+from nurbs_lab.mesh.solid.trimmed import SHARP, Measured, TrimmedShell, exact_shell, fine_enough
 from nurbs_lab.nurbs import NurbsSurface
 
 
@@ -322,13 +322,11 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
     if not 0.0 < sharp_angle < 180.0:
         raise ValueError(f"sharp_angle is {sharp_angle}; give degrees between 0 and 180")
     as_choice("faces", faces, ("auto", "patches"))
-    if max_faces is not None:
-        max_faces = as_count("max_faces", max_faces, most=np.inf)
+    most = np.inf if max_faces is None else as_count("max_faces", max_faces, most=np.inf)
     graph = mesh_graph(mesh)
     if tolerance > (size := extent(graph.vertices)):
         raise ValueError(f"tolerance = {tolerance:g} mm is larger than the mesh, {size:.3g} mm: check units")
     parts, repairs = closed_surfaces(graph)
-    most = np.inf if max_faces is None else max_faces
 
     def best(part):
         # surfaces that meet at less than the sharp angle are told apart at a third of it
@@ -348,7 +346,10 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
         else Shell(tuple(map(patch, fit.patches.surfaces())), fit.patches, part.body, part.is_void)
         for fit, part in zip(fits, parts, strict=True)
     )
-    seams = [shell.seam_angles()[~shell.sharp].max(initial=0.0) for shell in shells]
+    seams = [
+        angles[~shell.sharp if isinstance(shell, Shell) else angles <= SHARP].max(initial=0.0)
+        for shell, angles in ((shell, shell.seam_angles()) for shell in shells)
+    ]
     volume, seam = sum(part.volume for part in parts), float(max(seams))
     crossings = _crossings(parts, fits, shells, tolerance)
     return Reconstruction(shells, tolerance, graph, volume, repairs, _together(graph, fits), seam, crossings)

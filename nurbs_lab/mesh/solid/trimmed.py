@@ -14,7 +14,7 @@ from nurbs_lab.nurbs import NurbsSurface
 
 _FINE = 0.05  # of the tolerance: triangles so near to the faces stand for them when distances are measured
 _FINEST = 2e-6  # of the square root of the area: finer triangles of round faces take many minutes
-_SHARP = 1.0  # degrees: faces of CAD parts that meet at a smaller angle were made to touch
+SHARP = 1.0  # degrees: faces of CAD parts that meet at a smaller angle were made to touch
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -66,7 +66,7 @@ class TrimmedShell(Value):
     @property
     def sharp(self) -> np.ndarray:
         """Edges along which the tangent plane jumps, ``(edges,)``."""
-        return self.seam_angles() > _SHARP
+        return self.seam_angles() > SHARP
 
     def seam_angles(self) -> np.ndarray:
         """Largest angle between the tangent planes along every edge, in degrees, ``(edges,)``.
