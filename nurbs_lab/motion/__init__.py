@@ -51,10 +51,10 @@ _FAR (corrected), of a step             0.5      err as much (0.01)      9 of 76
 _SHORT (multistep), of coordinates      5e-7     holds err 3 x           slow sharp turns err 18 x
 _NEAR (multistep), of a step            0.5      errors 1 x              errors 8 x
 _FINER (certificate), the bound         8        -58 (median of 60)      +29; 1.8 x
-_GAP (_relaxation), the bound           3e-4     +93 (median of 30)      0
-_NEAR (_relaxation), the bound          0.1      0                       0
+_GAP (certificate), the bound           3e-4     +93 (median of 30)      0
+_NEAR (certificate), the bound          0.1      0                       0
 _LONGER (_relaxation), the bound        2        0; 1.05 x               0; 1.1 x
-_FIRST (_relaxation), the bound         0.1      100                     100; of 1, 1 of 4 has none
+_FIRST (certificate), the bound         0.1      100                     100; of 1, 1 of 4 has none
 ======================================  =======  ======================  ======================
 
 _SHORT at 5e-6 takes 3.4 times the acceleration on slow sharp turns, and at 0 holds err by 5e-7 of a step.

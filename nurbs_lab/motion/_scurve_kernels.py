@@ -14,6 +14,7 @@ import numpy as np
 
 from nurbs_lab.common.kernels import inlined, kernel
 from nurbs_lab.motion._bands import factor_bands, solve_bands
+from nurbs_lab.motion._relaxation import add_time_of_cell, time_of_cell
 
 #: Gauss points for the time of one cell.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
@@ -32,32 +33,37 @@ def nodal(widths, middle, ends, squares, slopes):
 
 @kernel
 def potential(problem, middle, weight, squares, slopes):
-    """Time minus weight times the logarithms of all room to the limits; infinite where one is exceeded."""
-    widths, ends, caps, nodes, turns, jerk = problem
+    """Time, infinite where a limit is exceeded, and the logarithms of all room to the limits."""
+    widths, ends, caps, nodes, turns, jerk, free = problem
     n = middle.size
     nodal(widths, middle, ends, squares, slopes)
     total, logs, speed = 0.0, 0.0, sqrt(squares[0])
     for i in range(n):
         if not middle[i] > 0.0:  # else v² might fall below zero inside the cell
-            return np.inf
+            return np.inf, 0.0
         before, speed = speed, sqrt(squares[i + 1])
-        total += 2.0 * widths[i] / (before + speed)
+        time = 2.0 * widths[i] / (before + speed)
         second = (slopes[i + 1] - slopes[i]) / widths[i]
         part = second / (2.0 * jerk[i])
         first, last = 1.0 - part * part * squares[i], 1.0 - part * part * squares[i + 1]
         if not (first > 0.0 and last > 0.0):
-            return np.inf
+            return np.inf, 0.0
         room = middle[i] * first * last
+        if free.shape[1]:
+            place = squares[i], squares[i + 1], slopes[i], slopes[i + 1]
+            time, inner = time_of_cell(free, i, time, place, weight)
+            room *= inner
+        total += time
         if 0 < i < n - 1:
             if not middle[i] < caps[i]:
-                return np.inf
+                return np.inf, 0.0
             room *= 1.0 - middle[i] / caps[i]
         inner = _room_at_node(nodes, i + 1, squares, slopes) if i + 1 < n else 1.0
         inner *= _room_of_turns(turns, i, second, squares, slopes)
         if not inner > 0.0:
-            return np.inf
+            return np.inf, 0.0
         logs += log(room * inner)  # one logarithm a cell: it is slow
-    return total - weight * logs
+    return total, logs
 
 
 @inlined
@@ -98,7 +104,7 @@ def _model(grid, problem, middle, weight, squares, slopes, padded):
     both at every node, and an array for 1 / v at every node.
     """
     slowness = grid[2]
-    widths, ends, caps, nodes, turns, jerk = problem
+    widths, ends, caps, nodes, turns, jerk, free = problem
     gradient, hessian = padded
     nodal(widths, middle, ends, squares, slopes)
     gradient[:] = 0.0
@@ -108,7 +114,11 @@ def _model(grid, problem, middle, weight, squares, slopes, padded):
     for i in range(1, middle.size):
         _add_node(grid, nodes, weight, i, (squares[i], slopes[i]), padded)
     for i in range(middle.size):
-        _add_cell(grid, jerk[i], weight, i, slopes[i + 1] - slopes[i], padded)
+        if free.shape[1]:
+            place = squares[i], squares[i + 1], slopes[i], slopes[i + 1]
+            add_time_of_cell(grid, free, weight, i, place, padded)
+        else:
+            _add_cell(grid, jerk[i], weight, i, slopes[i + 1] - slopes[i], padded)
         if turns.shape[1]:
             _add_turns(grid, turns, weight, i, squares, slopes, padded)
         room = 1.0 / middle[i]
@@ -313,7 +323,8 @@ def centre(problem, middle, weight, tolerance, most, growth):
 
     ``growth`` is (part, pull). As long as the ends and the ordinates beside them are a part below 1 of what
     they shall be, they grow with the others, and the potential falls by ``weight * pull * log(part)``. The
-    part that is reached is returned. The pull is 0 where the part is 1.
+    part that is reached is returned, and twice what one more step would gain. The pull is 0 where the part
+    is 1.
     """
     n, ends, (part, pull) = middle.size, problem[1], (growth[0], weight * growth[1])
     squares, slopes, joined, wide = np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.zeros(n + 2)
@@ -322,7 +333,8 @@ def centre(problem, middle, weight, tolerance, most, growth):
         joined[i] = 1.0 / (wide[i] + wide[i + 1])
     grid, padded = (wide, joined, np.empty(n + 1)), (np.empty(n + 2), np.empty((n + 2, 3)))
     step, trial, before = np.empty(n), np.empty(n), ends.copy()
-    value = potential(problem, middle, weight, squares, slopes) - pull * log(part)
+    time, logs = potential(problem, middle, weight, squares, slopes)
+    value, decrement = time - weight * logs - pull * log(part), np.inf
     for _ in range(most):
         _model(grid, problem, middle, weight, squares, slopes, padded)
         grown, decrement = _newton_step(padded, ends, middle, pull, step)
@@ -333,8 +345,8 @@ def centre(problem, middle, weight, tolerance, most, growth):
             for i in range(n):
                 trial[i] = middle[i] + fraction * step[i]
             ends[:] = before * (1.0 + fraction * grown)
-            found = potential(problem, trial, weight, squares, slopes)
-            found -= pull * log(part * (1.0 + fraction * grown))
+            time, logs = potential(problem, trial, weight, squares, slopes)
+            found = time - weight * logs - pull * log(part * (1.0 + fraction * grown))
             if found <= value - 0.1 * fraction * decrement + 1e-14 * abs(value):
                 break
             fraction *= 0.5
@@ -346,8 +358,8 @@ def centre(problem, middle, weight, tolerance, most, growth):
         value, before[:] = found, ends
         part *= 1.0 + fraction * grown
         if pull > 0.0 and part > 1.0 - 1e-12:
-            return 1.0
-    return part
+            return 1.0, decrement
+    return part, decrement
 
 
 @kernel

@@ -81,14 +81,15 @@ class Block:
     def is_feasible(self, middle):
         """Whether every limit is kept with room to spare."""
         squares, slopes = np.empty(len(self.nodes)), np.empty(len(self.nodes))
-        return np.isfinite(_scurve_kernels.potential(self.problem, middle, 0.0, squares, slopes))
+        return np.isfinite(_scurve_kernels.potential(self.problem, middle, 0.0, squares, slopes)[0])
 
     @property
     def problem(self):
         """What the kernels take."""
         nodes = self.along, self.across, self.steepest, self.kappas
         turns = self.turns * self.parts[:, None, None]
-        return np.diff(self.nodes), self.ends, self.caps, nodes, turns, self.jerk / self.parts
+        free = np.empty((len(turns), 0, 4))
+        return np.diff(self.nodes), self.ends, self.caps, nodes, turns, self.jerk / self.parts, free
 
     def centre(self, middle, weight, tolerance=0.1, most=60):
         """Least time with a weight on the room to the limits, in place, by ``most`` Newton steps at most."""
@@ -128,7 +129,8 @@ class Block:
             block.centre(slowed, weight, _NEAR * len(middle), STEPS)
         for pull in len(middle) * _PULLS:
             growth, weight = (part, pull), FALL**_STAGES * block._balanced_weight(slowed)
-            part = _scurve_kernels.centre(block.problem, slowed, weight, _NEAR * len(middle), STEPS, growth)
+            stage = block.problem, slowed, weight, _NEAR * len(middle), STEPS, growth
+            part, _ = _scurve_kernels.centre(*stage)
             if part == 1.0:
                 break
         middle[1:-1] = slowed[1:-1]

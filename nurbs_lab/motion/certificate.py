@@ -20,8 +20,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from nurbs_lab.common.values import Value
-from nurbs_lab.motion._relaxation import Relaxation
-from nurbs_lab.motion._scurve_problem import LIMITS
+from nurbs_lab.motion import _scurve_kernels
+from nurbs_lab.motion._scurve_problem import FALL, LIMITS, STEPS
 from nurbs_lab.motion._verify import VECTOR, excesses
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import SCAN_TOLERANCE, TURN, scan
@@ -30,6 +30,12 @@ from nurbs_lab.motion.trapezoid import fastest
 
 #: The bound without a limit of jerk has samples closer than those of a plan by this factor.
 _FINER = 8.0
+#: The bound with one may be lower than the least time by this part.
+_GAP = 3e-4
+#: The barrier's first weight, as a part of that at which time and all rooms count alike.
+_FIRST = 0.1
+#: A stage ends when one more Newton step would gain less than this part of its weight.
+_NEAR = 0.1
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -72,7 +78,7 @@ def certify(feed):
         relaxed = _relaxed(path, 1.0 / (1.0 - WHOLE.margin))
         motion = s_curve(relaxed, limits, ends, WHOLE)
         block = _free_block(motion.block, relaxed, limits, ends)
-        least = max(least, Relaxation(block).least_time(motion.middle))
+        least = max(least, _least_time(block, motion.middle))
     least = float(np.ceil(least / feed.period_s - 1e-6) * feed.period_s)
     return Certificate(least, feed.duration / least - 1.0, uses)
 
@@ -113,6 +119,39 @@ def _free_block(block, path, limits, ends):
     free["along"] = np.column_stack([free["along"], np.zeros(len(most))])
     free["across"] = np.column_stack([free["across"], most])
     return replace(block, **free, parts=np.ones(len(most) - 1))
+
+
+def _least_time(block, middle):
+    """The bound on a grid, from ordinates that keep the limits.
+
+    Where time minus weight times the logarithms of all M rooms is least, the time exceeds the least one by at
+    most weight times M.
+    """
+    middle, (widths, *others, turns, jerk, _) = middle.copy(), block.problem
+    first, last = turns[:, ::2], turns[:, 1::2]
+    mean, half = 0.5 * (first + last)[..., 0], 0.5 * widths[:, None]
+    free = [
+        half * first[..., 2],
+        half * last[..., 2],
+        half * first[..., 1] - mean,
+        half * last[..., 1] + mean,
+    ]
+    along = np.array([0.0, 0.0, -0.5, 0.5]) / jerk[:, None, None]
+    free = np.concatenate([along, np.stack(free, axis=2)], axis=1)
+    count = 2 * (len(middle) - 2) + (1 + block.along.shape[1]) * (len(middle) - 1)
+    count += (1 + 2 * free.shape[1]) * len(middle)
+    problem = widths, *others, turns[:, :0].copy(), np.full(len(jerk), np.inf), free
+    weight = _FIRST * block.time(middle) / count
+    block.centre(middle, weight)  # away from all limits Newton's method gets under way sooner
+    while True:
+        _, decrement = _scurve_kernels.centre(problem, middle, weight, _NEAR, STEPS, (1.0, 0.0))
+        if not decrement <= _NEAR * weight:
+            return 0.0  # nothing is known
+        if weight * count <= _GAP * block.time(middle):
+            break
+        weight *= FALL
+    time, _ = _scurve_kernels.potential(problem, middle, weight, *np.empty((2, len(jerk) + 1)))
+    return time + sum(block.ramp_times) - weight * (count + np.sqrt(count * decrement / weight))
 
 
 def _corner_speeds(path, limits):
