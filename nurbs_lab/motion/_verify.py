@@ -29,9 +29,11 @@ def excesses(path, limits, profile):
     """
     profile = _without_rounding(profile, limits)
     found, by_chords = _along(limits, profile), _has_chords(limits, profile)
-    for k, track in enumerate(path.tracks):
-        if limits.of_the_curve:
-            found += _at_places(track, path.origins[k], path.u[path.curve == k], limits, profile, by_chords)
+    if limits.of_the_curve:
+        found += _on_lines(path, limits, profile, by_chords)
+        for k in np.flatnonzero([not track.straight for track in path.tracks]):
+            samples = path.u[path.curve == k]
+            found += _on_curve(path.tracks[k], path.origins[k], samples, limits, profile, by_chords)
     return [row for row in found if len(row[3])] + chord_excesses(path, limits, profile)
 
 
@@ -74,38 +76,63 @@ def _without_rounding(profile, limits):
     return replace(profile, terms=terms)
 
 
-def _at_places(track, origin, samples, limits, profile, by_chords):
+def _on_lines(path, limits, profile, by_chords):
+    """Limits of axes where the path is straight, which alone depend on its direction."""
+    straight = np.array([track.straight for track in path.tracks])[path.curve]
+    if not (straight.any() and limits.of_axes):
+        return []
+
+    def behind(middle):  # the next sample is on the same side of a knot
+        return np.searchsorted(path.lengths, middle).clip(max=len(straight) - 1)
+
+    def seen(places, middle):
+        tangents = path.tangents[behind(middle)]
+        return places, np.stack([tangents, 0.0 * tangents, 0.0 * tangents])
+
+    ends = np.unique(np.concatenate([path.lengths, _met(limits, profile)]))
+    cells = np.column_stack([ends[:-1], ends[1:]])[straight[behind(0.5 * (ends[1:] + ends[:-1]))]]
+    return _in_cells(cells[np.ptp(cells, axis=1) > 1e-12 * path.length], seen, limits, profile, by_chords)
+
+
+def _on_curve(track, origin, samples, limits, profile, by_chords):
     """Limits that depend on the curve, inside every cell between samples, knots and ends of segments."""
-    breaks, met = track.spans[0], profile.terms[1:, 0] - origin
+
+    def seen(u, middle):
+        s = origin + arc_lengths(track, np.concatenate([breaks[:1], u, breaks[-1:]]))[1:-1]
+        return s, path_derivatives(track, track.spans_at(middle), u)
+
+    breaks, met = track.spans[0], _met(limits, profile) - origin
     met = met[(met > 0.0) & (met < track.length)]
-    if limits.soft and limits.axis_jerk is None:
-        met = met[::3]  # of the three phases of a cell, along which only the jerk jumps
     ends = np.unique(np.concatenate([samples, breaks, track.parameters_at(met)]))
-    seen = track, origin, limits, profile, by_chords
+    cells = np.column_stack([ends[:-1], ends[1:]])
     wide = np.diff(ends) > 1e-12 * (breaks[-1] - breaks[0])  # in others rounding takes one side for the other
-    places, rows = _in_cells(ends[:-1][wide], ends[1:][wide], *seen)
-    found = rows
-    for _ in range(_NEARER):
-        if not len(doubtful := _doubtful(places, found)):
+    return _in_cells(cells[wide], seen, limits, profile, by_chords)
+
+
+def _met(limits, profile):
+    """Lengths at which the motion changes, but one of three where these are phases of one acceleration."""
+    return profile.terms[1 :: 3 if limits.soft and limits.axis_jerk is None else 1, 0]
+
+
+def _in_cells(cells, seen, limits, profile, by_chords):
+    """Rows of `excesses` at places in cells ``(n, 2)``, denser where a limit may be exceeded between two.
+
+    ``seen`` tells, of places and of what is on the same side of knots, lengths and the geometry of the path.
+    """
+    rows = []
+    for _ in range(1 + _NEARER):
+        places = cells[:, :1] + np.diff(cells, axis=1) * _INSIDE
+        s, geometry = seen(places.ravel(), np.repeat(places[:, len(_INSIDE) // 2], len(_INSIDE)))
+        t = np.empty(len(s))
+        _kernels.times_at(*profile.table, np.clip(s, 0.0, profile.length), t)
+        v, within = profile.speed(t), _off_the_joints(profile, s, t)
+        v[(s < 0.0) | (s > profile.length)] = 0.0  # the profile begins or ends within the curve
+        motion = v, profile.acceleration(within), profile.jerk(within)
+        found = [(name, s, s, used) for name, used in _used(geometry, limits, motion, by_chords)]
+        rows, cells = rows + found, _doubtful(places, found)
+        if not len(cells):
             break
-        places, found = _in_cells(*doubtful.T, *seen)
-        rows = rows + found
     return rows
-
-
-def _in_cells(starts, stops, track, origin, limits, profile, by_chords):
-    """The places that are looked at in cells of the curve, ``(cells, places)``, and what is used there."""
-    breaks = track.spans[0]
-    places = starts[:, None] + (stops - starts)[:, None] * _INSIDE
-    middle = np.repeat(places[:, len(_INSIDE) // 2], len(_INSIDE))
-    s = origin + arc_lengths(track, np.concatenate([breaks[:1], places.ravel(), breaks[-1:]]))[1:-1]
-    t = np.empty(len(s))
-    _kernels.times_at(*profile.table, np.clip(s, 0.0, profile.length), t)
-    v, within = profile.speed(t), _off_the_joints(profile, s, t)
-    v[(s < 0.0) | (s > profile.length)] = 0.0  # the profile begins or ends within the curve
-    motion = v, profile.acceleration(within), profile.jerk(within)
-    found = _used(track, limits, places.ravel(), middle, motion, by_chords)
-    return places, [(name, s, s, used) for name, used in found]
 
 
 def _doubtful(places, rows):
@@ -124,18 +151,15 @@ def _doubtful(places, rows):
     return np.take_along_axis(places, at[:, [0, 2]], axis=1)[inside & (highest > 1.0)]
 
 
-def _used(track, limits, u, seen, motion, by_chords):
-    """Factors by which a motion (v, a, j) at parameters is too fast for each limit that the curve decides.
-
-    Each parameter is seen from the span that holds ``seen``.
-    """
-    rows, geometry = [], path_derivatives(track, track.spans_at(seen), u)
+def _used(geometry, limits, motion, by_chords):
+    """Factors by which a motion (v, a, j) is too fast for each limit that the curve decides."""
+    rows = []
     caps = dict(zip(NAMES, limits.speed_table(*geometry[:2]), strict=False))
     for name in BY_SPEED:
         if getattr(limits, name) is not None and not (by_chords and name == "chord_error"):
             rows.append((name, motion[0] / caps[name]))
     most = None if limits.tangential_only else limits.acceleration, limits.axis_acceleration, limits.axis_jerk
-    free, parts = np.full(geometry.shape[2], np.inf), np.empty((3, len(u)))
+    free, parts = np.full(geometry[0].shape[1], np.inf), np.empty((3, len(motion[0])))
     given = (none if limit is None else limit for limit, none in zip(most, (np.inf, free, free), strict=True))
     _kernels.limits_used(geometry, motion, *given, parts)
     roots = {VECTOR: np.sqrt, "axis_acceleration": np.sqrt, "axis_jerk": np.cbrt}

@@ -301,7 +301,9 @@ def path_of_jerks(durations, jerks, speed, acceleration=0.0):
 
 def concatenate(profiles):
     """One profile of several that follow each other."""
-    first, *_ = profiles
+    first, *others = profiles
+    if not others:
+        return replace(first, curve=None)
     starts = np.cumsum([0.0, *(profile.duration for profile in profiles)])
     gone = np.cumsum([0.0, *(profile.length for profile in profiles)])
     times = [profile.times[:-1] + start for profile, start in zip(profiles, starts, strict=False)]

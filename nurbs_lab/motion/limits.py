@@ -118,10 +118,14 @@ class Limits(Value):
         return table
 
     @property
+    def of_axes(self):
+        """Whether any limit is one of axes."""
+        return any(limit is not None for limit in (self.axis_speed, self.axis_acceleration, self.axis_jerk))
+
+    @property
     def of_the_curve(self):
         """Whether any limit depends on the shape of the curve."""
-        own = self.chord_error, self.axis_speed, self.axis_acceleration, self.axis_jerk
-        return self.across[0] < np.inf or any(limit is not None for limit in own)
+        return self.across[0] < np.inf or self.chord_error is not None or self.of_axes
 
     def corner_speeds(self, lengths, steps):
         """Largest speeds through corners at increasing lengths, and the limits that say so.

@@ -41,6 +41,11 @@ class Track:
         return prepare, (self.curve,)
 
     @property
+    def straight(self):
+        """Whether every span is a straight line."""
+        return self.curve.degree == 1
+
+    @property
     def length(self):
         """Arc length of the whole curve, in mm."""
         return float(self.panels[1][-1])
@@ -103,6 +108,8 @@ def prepare(curve):
 def _beside_slow_ends(curve):
     """The different knots of the domain, its ends moved inwards where C' vanishes at them."""
     breaks = find_breaks(curve.knots, curve.degree)
+    if curve.degree == 1:
+        return breaks
     spans = np.diff(breaks)
     least = CUSP * lengths(np.diff(curve.control_points, axis=0)).sum() / spans.sum()
     parts = []

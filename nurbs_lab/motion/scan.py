@@ -1,6 +1,6 @@
 """The speed that the limits allow along a path of one curve or several, sampled as finely as it needs."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -181,8 +181,11 @@ def scan(track, limits, finer=1.0):
     tangents, curvatures, _ = path_derivatives(track, span, u)
     first = np.zeros(len(u), dtype=np.int64)
     rows = sampled(limits, first, u, arc_lengths(track, u), tangents, curvatures)
-    kinks = np.empty((0, 1 + track.curve.dim))
-    return _merged((track,), np.zeros(1), rows, kinks, 1 + np.flatnonzero(span[1:] != span[:-1]), limits)
+    path = Scan(
+        (track,), np.zeros(1), **rows, kinks=np.empty((0, 1 + track.curve.dim)), zones=np.empty((0, 4))
+    )
+    ends = 1 + np.flatnonzero(span[1:] != span[:-1])
+    return _merged(path, ends, limits) if len(ends) else path
 
 
 def join(paths, limits):
@@ -198,28 +201,26 @@ def join(paths, limits):
     kinks = np.concatenate([path.kinks for path in paths])
     kinks[:, 0] += np.repeat(before, [len(path.kinks) for path in paths])
     tracks = tuple(track for path in paths for track in path.tracks)
-    return _merged(tracks, origins, rows, kinks, np.cumsum(count)[:-1], limits)
+    path = Scan(tracks, origins, **rows, kinks=kinks, zones=np.empty((0, 4)))
+    return _merged(path, np.cumsum(count)[:-1], limits)
 
 
-def _merged(tracks, origins, rows, kinks, ends, limits):
+def _merged(path, ends, limits):
     """Merge the two samples of every knot: ``ends`` are the indices of the second of each pair."""
-    speeds, causes = rows["speeds"].copy(), rows["causes"].copy()
-    tangents, curvatures = rows["tangents"], rows["curvatures"]
+    speeds, causes, tops = path.speeds.copy(), path.causes.copy(), path.tops.copy()
     strict = np.where(speeds[ends - 1] < speeds[ends], ends - 1, ends)
     for side in (ends - 1, ends):
         speeds[side], causes[side] = speeds[strict], causes[strict]
-    rows["tops"][[ends - 1, ends]] = rows["tops"][[ends - 1, ends]].min(axis=0)
-    both = np.hstack([tangents, curvatures * rows["lengths"][-1]])
+    tops[[ends - 1, ends]] = tops[[ends - 1, ends]].min(axis=0)
+    both = np.hstack([path.tangents, path.curvatures * path.length])
     keep = np.ones(len(speeds), dtype=bool)
     keep[ends] = largest(both[ends] - both[ends - 1]) > JUMP
-    steps = tangents[ends] - tangents[ends - 1]
+    steps = path.tangents[ends] - path.tangents[ends - 1]
     kinked = steps.any(axis=1)
-    found = np.column_stack([rows["lengths"][ends], steps])[kinked]
-    kinks = np.concatenate([kinks, found])
+    kinks = np.concatenate([path.kinks, np.column_stack([path.lengths[ends], steps])[kinked]])
     kinks = kinks[np.argsort(kinks[:, 0], kind="stable")]
-    rows = {name: row[keep] for name, row in (rows | {"speeds": speeds, "causes": causes}).items()}
-    path = Scan(tracks, origins, **rows, kinks=kinks, zones=np.empty((0, 4)))
-    return slowed_at_corners(path, limits)
+    path = replace(path, speeds=speeds, causes=causes, tops=tops, kinks=kinks)
+    return slowed_at_corners(replace(path, **{name: getattr(path, name)[keep] for name in ROWS}), limits)
 
 
 def arc_lengths(track, u):
@@ -260,7 +261,10 @@ def _samples(track, limits, finer):
     rounding = max(1e-13 * np.ptp(breaks), 4.0 * np.spacing(np.abs(breaks).max()))
     span, start, stop = (row[stop - start > rounding] for row in (span, start, stop))
     found = [(spans, breaks[1:])]
-    left, between, right = (sampled(span, u) for u in (start, 0.5 * (start + stop), stop))
+    if track.straight:  # the limits are the same all along a span
+        found, span = [*found, (span, start)], span[:0]
+    else:
+        left, between, right = (sampled(span, u) for u in (start, 0.5 * (start + stop), stop))
     halved, most = 0, int(finer) * (_MOST_CELLS[0] + _MOST_CELLS[1] * len(breaks))
     while len(span):
         middle = 0.5 * (start + stop)
@@ -292,9 +296,11 @@ def _samples(track, limits, finer):
 def _beside_jumps(breaks, sampled):
     """Samples close to both ends of the curve and to knots where the speed limit or the tangent jumps."""
     spans = np.arange(len(breaks) - 1)
-    before, after = sampled(spans[:-1], breaks[1:-1]), sampled(spans[1:], breaks[1:-1])
-    jump = np.abs(before - after)[:, 0] > SCAN_TOLERANCE * np.minimum(before, after)[:, 0]
-    left = np.flatnonzero(jump | (np.linalg.norm(after[:, 2:] - before[:, 2:], axis=1) > JUMP))
+    left = spans[:0]
+    if len(spans) > 1:
+        before, after = sampled(spans[:-1], breaks[1:-1]), sampled(spans[1:], breaks[1:-1])
+        jump = np.abs(before - after)[:, 0] > SCAN_TOLERANCE * np.minimum(before, after)[:, 0]
+        left = np.flatnonzero(jump | (np.linalg.norm(after[:, 2:] - before[:, 2:], axis=1) > JUMP))
     near = _BESIDE * np.diff(breaks)
     before, after = np.append(left, len(breaks) - 2), np.append(left + 1, 0)
     span = np.concatenate([before, after])
