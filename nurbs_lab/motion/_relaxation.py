@@ -46,47 +46,46 @@ def time_of_cell(free, i, needed, ends, weight):
 
 
 @inlined
-def add_time_of_cell(grid, free, weight, i, place, padded):
+def add_time_of_cell(h, slowness, free, weight, i, place, nodal_model):
     """Add the time of a cell and its rooms to the model, as `_scurve_kernels` adds its own."""
-    widths, joined, slowness = grid
-    gradient, hessian = padded
-    h, p, q = widths[i + 1], slowness[i], slowness[i + 1]
+    first, own, cross = nodal_model
+    p, q = slowness[i], slowness[i + 1]
     mean = p * q / (p + q)
-    first, second, needed = h * mean**2, h * mean**3, 2.0 * h * mean
-    p0, p1 = h * joined[i], widths[i] * joined[i]
-    q1, q2 = widths[i + 2] * joined[i + 1], h * joined[i + 1]
+    short, shorter, needed = h * mean**2, h * mean**3, 2.0 * h * mean
     time, _ = time_of_cell(free, i, needed, place, weight)
-    total = middle_x = middle_y = middle_z = 0.0
+    total, middle = 0.0, (0.0, 0.0, 0.0, 0.0)
     for again in range(2):  # the time follows: the mean of the conditions, by their steepness, is its own
         for k in range(1 + 2 * free.shape[1]):
             steep = 1.0 / (time - _least(free, i, k, needed, place))
-            if k == 0:
-                x, y, z = -first * p * p0, -first * (p * p1 + q * q1), -first * q * q2
-            else:
+            x, y, z, w = -short * p, -short * q, 0.0, 0.0
+            if k > 0:
                 row, sign = free[i, (k - 1) // 2], 1.0 if k % 2 else -1.0
-                left, right = 2.0 * joined[i] * row[2], 2.0 * joined[i + 1] * row[3]
-                x, z = sign * (row[0] * p0 - left), sign * (row[1] * q2 + right)
-                y = sign * (row[0] * p1 + row[1] * q1 + left - right)
+                x, y, z, w = sign * row[0], sign * row[1], sign * row[2], sign * row[3]
             if again == 0:
-                total += steep * steep
-                middle_x += steep * steep * x
-                middle_y += steep * steep * y
-                middle_z += steep * steep * z
+                total, part = total + steep * steep, steep * steep
+                middle = (
+                    middle[0] + part * x,
+                    middle[1] + part * y,
+                    middle[2] + part * z,
+                    middle[3] + part * w,
+                )
                 continue
-            for c, way in enumerate((x, y, z)):
-                gradient[i + c] += weight * steep * way
-            x, y, z = steep * (x - middle_x), steep * (y - middle_y), steep * (z - middle_z)
-            for c, a, b, e in ((0, x, y, z), (1, y, z, 0.0), (2, z, 0.0, 0.0)):
-                hessian[i + c, 0] += weight * a * a
-                hessian[i + c, 1] += weight * a * b
-                hessian[i + c, 2] += weight * a * e
-        middle_x, middle_y, middle_z = middle_x / total, middle_y / total, middle_z / total
+            for at, by_b, by_d in ((i, x, z), (i + 1, y, w)):
+                first[at, 0] += weight * steep * by_b
+                first[at, 1] += weight * steep * by_d
+            x, y, z, w = (
+                steep * (x - middle[0] / total),
+                steep * (y - middle[1] / total),
+                steep * (z - middle[2] / total),
+                steep * (w - middle[3] / total),
+            )
+            for at, by_b, by_d in ((i, x, z), (i + 1, y, w)):
+                own[at, 0] += weight * by_b * by_b
+                own[at, 1] += weight * by_b * by_d
+                own[at, 2] += weight * by_d * by_d
+            for c, product in enumerate((x * y, x * w, z * y, z * w)):
+                cross[i, c] += weight * product
     bent = weight / (time - needed)
-    pp, pq = bent * p * p * (second + 0.5 * first * p), bent * p * q * second
-    qq = bent * q * q * (second + 0.5 * first * q)
-    hessian[i, 0] += pp * p0 * p0
-    hessian[i, 1] += p0 * (pp * p1 + pq * q1)
-    hessian[i, 2] += pq * p0 * q2
-    hessian[i + 1, 0] += pp * p1 * p1 + 2.0 * pq * p1 * q1 + qq * q1 * q1
-    hessian[i + 1, 1] += q2 * (pq * p1 + qq * q1)
-    hessian[i + 2, 0] += qq * q2 * q2
+    own[i, 0] += bent * p * p * (shorter + 0.5 * short * p)
+    own[i + 1, 0] += bent * q * q * (shorter + 0.5 * short * q)
+    cross[i, 0] += bent * shorter * p * q

@@ -34,7 +34,7 @@ def nodal(widths, middle, ends, squares, slopes):
 @kernel
 def potential(problem, middle, weight, squares, slopes):
     """Time, infinite where a limit is exceeded, and the logarithms of all room to the limits."""
-    widths, ends, caps, nodes, turns, jerk, free = problem
+    widths, ends, caps, nodes, turns, free = problem
     n = middle.size
     nodal(widths, middle, ends, squares, slopes)
     total, logs, speed = 0.0, 0.0, sqrt(squares[0])
@@ -44,11 +44,7 @@ def potential(problem, middle, weight, squares, slopes):
         before, speed = speed, sqrt(squares[i + 1])
         time = 2.0 * widths[i] / (before + speed)
         second = (slopes[i + 1] - slopes[i]) / widths[i]
-        part = second / (2.0 * jerk[i])
-        first, last = 1.0 - part * part * squares[i], 1.0 - part * part * squares[i + 1]
-        if not (first > 0.0 and last > 0.0):
-            return np.inf, 0.0
-        room = middle[i] * first * last
+        room = middle[i]
         if free.shape[1]:
             place = squares[i], squares[i + 1], slopes[i], slopes[i + 1]
             time, inner = time_of_cell(free, i, time, place, weight)
@@ -82,7 +78,7 @@ def _room_at_node(nodes, i, squares, slopes):
 
 @inlined
 def _room_of_turns(turns, i, second, squares, slopes):
-    """Product of the room to the jerks of axes at both ends of a cell; not above zero if one is exceeded."""
+    """Product of the room to the jerks at both ends of a cell; not above zero if one is exceeded."""
     room = 1.0
     for k in range(turns.shape[1]):
         side = k % 2
@@ -101,26 +97,27 @@ def _model(grid, problem, middle, weight, squares, slopes, padded):
 
     Both arrays of ``padded`` have a row more at each end, for b there; ``hessian[i, k]`` belongs to cells
     i - 1 and i - 1 + k. ``grid`` holds the widths of the cells, zero beyond the ends, one over the sum of
-    both at every node, and an array for 1 / v at every node.
+    both at every node, an array for 1 / v at every node, and the model by b and its slope d at the nodes:
+    first derivatives, second ones (b b, b d, d d) of a node and (b b, b d, d b, d d) of the two of a cell.
     """
-    slowness = grid[2]
-    widths, ends, caps, nodes, turns, jerk, free = problem
+    wide, joined, slowness, nodal_model = grid
+    widths, ends, caps, nodes, turns, free = problem
     gradient, hessian = padded
     nodal(widths, middle, ends, squares, slopes)
     gradient[:] = 0.0
     hessian[:] = 0.0
+    for part in nodal_model:
+        part[:] = 0.0
     for i in range(squares.size):
         slowness[i] = 1.0 / sqrt(squares[i])
     for i in range(1, middle.size):
-        _add_node(grid, nodes, weight, i, (squares[i], slopes[i]), padded)
+        _add_node(nodes, weight, i, (squares[i], slopes[i]), nodal_model)
     for i in range(middle.size):
         if free.shape[1]:
             place = squares[i], squares[i + 1], slopes[i], slopes[i + 1]
-            add_time_of_cell(grid, free, weight, i, place, padded)
+            add_time_of_cell(widths[i], slowness, free, weight, i, place, nodal_model)
         else:
-            _add_cell(grid, jerk[i], weight, i, slopes[i + 1] - slopes[i], padded)
-        if turns.shape[1]:
-            _add_turns(grid, turns, weight, i, squares, slopes, padded)
+            _add_cell(widths[i], slowness, turns, weight, i, squares, slopes, nodal_model)
         room = 1.0 / middle[i]
         gradient[i + 1] -= weight * room
         hessian[i + 1, 0] += weight * room * room
@@ -128,6 +125,30 @@ def _model(grid, problem, middle, weight, squares, slopes, padded):
             room = 1.0 / (caps[i] - middle[i])
             gradient[i + 1] += weight * room
             hessian[i + 1, 0] += weight * room * room
+    _by_ordinates(wide, joined, nodal_model, padded)
+
+
+@inlined
+def _by_ordinates(wide, joined, nodal_model, padded):
+    """Add the model by b and its slope at the nodes to that by ordinates, in which both are linear."""
+    first, own, cross = nodal_model
+    gradient, hessian = padded
+    for i in range(joined.size):
+        slope, left, right = 2.0 * joined[i], wide[i + 1] * joined[i], wide[i] * joined[i]
+        by_b, by_d, bb, bd, dd = first[i, 0], first[i, 1], own[i, 0], own[i, 1], own[i, 2] * slope
+        gradient[i] += by_b * left - by_d * slope
+        gradient[i + 1] += by_b * right + by_d * slope
+        hessian[i, 0] += bb * left * left + slope * (dd - 2.0 * bd * left)
+        hessian[i, 1] += bb * left * right + slope * (bd * (left - right) - dd)
+        hessian[i + 1, 0] += bb * right * right + slope * (dd + 2.0 * bd * right)
+        if i < cross.shape[0]:
+            after, low, high = 2.0 * joined[i + 1], wide[i + 2] * joined[i + 1], wide[i + 1] * joined[i + 1]
+            b_y, d_y = cross[i, 0] * low - cross[i, 1] * after, cross[i, 2] * low - cross[i, 3] * after
+            b_z, d_z = cross[i, 0] * high + cross[i, 1] * after, cross[i, 2] * high + cross[i, 3] * after
+            hessian[i, 1] += left * b_y - slope * d_y
+            hessian[i, 2] += left * b_z - slope * d_z
+            hessian[i + 1, 0] += 2.0 * (right * b_y + slope * d_y)
+            hessian[i + 1, 1] += right * b_z + slope * d_z
 
 
 @kernel
@@ -139,10 +160,10 @@ def _between(most, x):
 
 
 @inlined
-def _add_node(grid, nodes, weight, i, place, padded):
+def _add_node(nodes, weight, i, place, nodal_model):
     """Add the limits at a node, which depend on b and its slope d, to the model."""
     along, across, steepest, kappas = nodes
-    gradient, hessian = padded
+    first, own, _ = nodal_model
     b, d = place
     flat, bent = 0.5 / steepest[i] ** 2, 2.0 * kappas[i] ** 2
     room = 1.0 / (1.0 - 0.5 * flat * d * d - 0.5 * bent * b * b)
@@ -157,101 +178,45 @@ def _add_node(grid, nodes, weight, i, place, padded):
         by_bb += n * n
         by_bd += n * t
         by_dd += t * t
-    widths, slope = grid[0], 2.0 * grid[1][i]
-    left, right = 0.5 * slope * widths[i + 1], 0.5 * slope * widths[i]
-    gradient[i] += weight * (by_b * left - by_d * slope)
-    gradient[i + 1] += weight * (by_b * right + by_d * slope)
-    hessian[i, 0] += weight * (by_bb * left * left - 2.0 * by_bd * left * slope + by_dd * slope * slope)
-    hessian[i, 1] += weight * (by_bb * left * right + by_bd * slope * (left - right) - by_dd * slope * slope)
-    hessian[i + 1, 0] += weight * (
-        by_bb * right * right + 2.0 * by_bd * right * slope + by_dd * slope * slope
-    )
+    first[i, 0], first[i, 1] = weight * by_b, weight * by_d
+    own[i, 0], own[i, 1], own[i, 2] = weight * by_bb, weight * by_bd, weight * by_dd
 
 
 @inlined
-def _add_turns(grid, turns, weight, i, squares, slopes, padded):
-    """Add the jerks of axes at both ends of a cell: |t b'' + n b' + m b| <= 1 / sqrt(b) each."""
-    widths, joined, slowness = grid
-    gradient, hessian = padded
-    own = 1.0 / widths[i + 1]
-    second = (slopes[i + 1] - slopes[i]) * own
-    s0, s2 = 2.0 * joined[i] * own, 2.0 * joined[i + 1] * own
-    for k in range(turns.shape[1]):
-        side = k % 2
-        j, b, slow = joined[i + side], squares[i + side], slowness[i + side]
-        t, n, m = turns[i, k, 0], turns[i, k, 1], turns[i, k, 2]
-        wide = widths[i + 1] * j  # b and its slope by the ordinates of three cells
-        if side == 0:
-            b0, b1, b2 = wide, widths[i] * j, 0.0
-            d0, d1, d2 = -2.0 * j, 2.0 * j, 0.0
-        else:
-            b0, b1, b2 = 0.0, widths[i + 2] * j, wide
-            d0, d1, d2 = 0.0, -2.0 * j, 2.0 * j
-        x, y, z = (
-            t * s0 + n * d0 + m * b0,
-            t * (-s0 - s2) + n * d1 + m * b1,
-            t * s2 + n * d2 + m * b2,
-        )
-        first, other, curved = _between(slow, t * second + n * slopes[i + side] + m * b)
-        fall = 0.5 * slow**3
-        by_b, by_bb = fall * other - slow * slow, fall * fall * curved + slow**4
-        mixed = fall * first * other
-        for c, (own_b, own_l) in enumerate(((b0, x), (b1, y), (b2, z))):
-            gradient[i + c] += weight * (first * own_l + by_b * own_b)
-            hessian[i + c, 0] += weight * (
-                curved * own_l * own_l + by_bb * own_b * own_b + 2.0 * mixed * own_l * own_b
-            )
-        hessian[i, 1] += weight * (curved * x * y + by_bb * b0 * b1 + mixed * (x * b1 + y * b0))
-        hessian[i, 2] += weight * (curved * x * z + by_bb * b0 * b2 + mixed * (x * b2 + z * b0))
-        hessian[i + 1, 1] += weight * (curved * y * z + by_bb * b1 * b2 + mixed * (y * b2 + z * b1))
-
-
-@kernel
-def _jerk_barrier(jerk, weight, slowness, s):
-    """Derivatives of the jerk limit's barrier at one end of a cell: by b, s, b b, b s and s s."""
-    fall = jerk * slowness**3  # of the largest s, as b grows
-    by_s, by_most, by_ss = _between(2.0 * jerk * slowness, s)
-    return (
-        weight * fall * by_most, weight * by_s, weight * fall * fall * by_ss,
-        weight * fall * by_most * by_s, weight * by_ss,
-    )  # fmt: skip
-
-
-@inlined
-def _add_cell(grid, jerk, weight, i, rise, padded):
-    """Add the time and the jerk limit of a cell, in which the slope of b rises, to the model."""
-    widths, joined, slowness = grid
-    gradient, hessian = padded
-    h, tp, tq = widths[i + 1], slowness[i], slowness[i + 1]
-    own_width, mean = 1.0 / h, tp * tq / (tp + tq)
-    s = rise * own_width
-    first, second = h * mean**2, h * mean**3
-    by_p, by_q = -tp * (first + weight * tp), -tq * (first + weight * tq)
-    by_pp = tp * tp * (second + tp * (0.5 * first + weight * tp))
-    by_qq = tq * tq * (second + tq * (0.5 * first + weight * tq))
-    by_pq = second * tp * tq
-    own, slope, own_own, by_ps, both = _jerk_barrier(jerk, weight, tp, s)
-    by_p, by_pp, by_s, by_ss = by_p + own, by_pp + own_own, slope, both
-    own, slope, own_own, by_qs, both = _jerk_barrier(jerk, weight, tq, s)
-    by_q, by_qq, by_s, by_ss = by_q + own, by_qq + own_own, by_s + slope, by_ss + both
-    # p = p0 x + p1 y, q = q1 y + q2 z, s = s0 x + s1 y + s2 z for the ordinates x, y, z of three cells
-    p0, p1 = h * joined[i], widths[i] * joined[i]
-    q1, q2 = widths[i + 2] * joined[i + 1], h * joined[i + 1]
-    s0, s2 = 2.0 * joined[i] * own_width, 2.0 * joined[i + 1] * own_width
-    s1 = -s0 - s2
-    gradient[i] += by_p * p0 + by_s * s0
-    gradient[i + 1] += by_p * p1 + by_q * q1 + by_s * s1
-    gradient[i + 2] += by_q * q2 + by_s * s2
-    px, sx = p0 * by_pp + s0 * by_ps, p0 * by_ps + s0 * by_ss  # the Hessian times each column
-    qx = p0 * by_pq + s0 * by_qs
-    py, sy = p1 * by_pp + q1 * by_pq + s1 * by_ps, p1 * by_ps + q1 * by_qs + s1 * by_ss
-    qy = p1 * by_pq + q1 * by_qq + s1 * by_qs
-    hessian[i, 0] += p0 * px + s0 * sx
-    hessian[i, 1] += p1 * px + q1 * qx + s1 * sx
-    hessian[i, 2] += q2 * qx + s2 * sx
-    hessian[i + 1, 0] += p1 * py + q1 * qy + s1 * sy
-    hessian[i + 1, 1] += q2 * qy + s2 * sy
-    hessian[i + 2, 0] += q2 * (q2 * by_qq + 2.0 * s2 * by_qs) + s2 * s2 * by_ss
+def _add_cell(h, slowness, turns, weight, i, squares, slopes, nodal_model):
+    """Add the time of a cell, and the jerks at both of its ends: |t b'' + n b' + m b| <= 1 / sqrt(b) each."""
+    first, own, cross = nodal_model
+    p, q = slowness[i], slowness[i + 1]
+    mean, second = p * q / (p + q), (slopes[i + 1] - slopes[i]) / h
+    short, shorter = h * mean**2, h * mean**3
+    cross[i, 0] = shorter * p * q
+    for side in range(2):
+        slow, at, other = slowness[i + side], i + side, i + 1 - side
+        fall, change = 0.5 * slow**3, (2.0 * side - 1.0) / h  # b'' is the difference of slopes times this
+        t, by_d, sd, dd, bd = turns[i, side, 0], 0.0, 0.0, 0.0, 0.0  # the jerk along the path
+        steep, falls, curved = _between(slow, t * second)
+        by_s, ss, sb = steep * t, curved * t * t, fall * steep * falls * t
+        by_b, bb = fall * falls - slow * slow, fall * fall * curved + slow**4
+        for k in range(side + 2, turns.shape[1], 2):
+            t, n, m = turns[i, k, 0], turns[i, k, 1], turns[i, k, 2]
+            steep, falls, curved = _between(slow, t * second + n * slopes[at] + m * squares[at])
+            mixed = fall * steep * falls
+            by_s, by_d = by_s + steep * t, by_d + steep * n
+            by_b += steep * m + fall * falls - slow * slow
+            ss, sd, sb = ss + curved * t * t, sd + curved * t * n, sb + (curved * m + mixed) * t
+            dd, bd = dd + curved * n * n, bd + (curved * m + mixed) * n
+            bb += curved * m * m + 2.0 * mixed * m + fall * fall * curved + slow**4
+        by_s, ss, sb = weight * change * by_s, weight * change * change * ss, weight * change * sb
+        sd *= weight * change
+        first[at, 0] += weight * by_b - short * slow
+        first[at, 1] += weight * by_d + by_s
+        first[other, 1] -= by_s
+        own[at, 0] += weight * bb + slow * slow * (shorter + 0.5 * short * slow)
+        own[at, 1] += weight * bd + sb
+        own[at, 2] += weight * dd + 2.0 * sd + ss
+        own[other, 2] += ss
+        cross[i, 1 + side] -= sb
+        cross[i, 3] -= sd + ss
 
 
 @kernel
@@ -331,7 +296,8 @@ def centre(problem, middle, weight, tolerance, most, growth):
     wide[1 : n + 1] = problem[0]
     for i in range(n + 1):
         joined[i] = 1.0 / (wide[i] + wide[i + 1])
-    grid, padded = (wide, joined, np.empty(n + 1)), (np.empty(n + 2), np.empty((n + 2, 3)))
+    nodal_model = np.empty((n + 1, 2)), np.empty((n + 1, 3)), np.empty((n, 4))
+    grid, padded = (wide, joined, np.empty(n + 1), nodal_model), (np.empty(n + 2), np.empty((n + 2, 3)))
     step, trial, before = np.empty(n), np.empty(n), ends.copy()
     time, logs = potential(problem, middle, weight, squares, slopes)
     value, decrement = time - weight * logs - pull * log(part), np.inf

@@ -87,9 +87,10 @@ class Block:
     def problem(self):
         """What the kernels take."""
         nodes = self.along, self.across, self.steepest, self.kappas
-        turns = self.turns * self.parts[:, None, None]
-        free = np.empty((len(turns), 0, 4))
-        return np.diff(self.nodes), self.ends, self.caps, nodes, turns, self.jerk / self.parts, free
+        along = np.zeros((len(self.jerk), 2, 3))  # the jerk along the path, at both ends of a cell
+        along[:, :, 0] = 0.5 / self.jerk[:, None]
+        turns = np.concatenate([along, self.turns], axis=1) * self.parts[:, None, None]
+        return np.diff(self.nodes), self.ends, self.caps, nodes, turns, np.empty((len(turns), 0, 4))
 
     def centre(self, middle, weight, tolerance=0.1, most=60):
         """Least time with a weight on the room to the limits, in place, by ``most`` Newton steps at most."""

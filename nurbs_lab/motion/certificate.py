@@ -127,20 +127,13 @@ def _least_time(block, middle):
     Where time minus weight times the logarithms of all M rooms is least, the time exceeds the least one by at
     most weight times M.
     """
-    middle, (widths, *others, turns, jerk, _) = middle.copy(), block.problem
-    first, last = turns[:, ::2], turns[:, 1::2]
-    mean, half = 0.5 * (first + last)[..., 0], 0.5 * widths[:, None]
-    free = [
-        half * first[..., 2],
-        half * last[..., 2],
-        half * first[..., 1] - mean,
-        half * last[..., 1] + mean,
-    ]
-    along = np.array([0.0, 0.0, -0.5, 0.5]) / jerk[:, None, None]
-    free = np.concatenate([along, np.stack(free, axis=2)], axis=1)
+    middle, (widths, *others, turns, _) = middle.copy(), block.problem
+    first, last, half = turns[:, ::2], turns[:, 1::2], 0.5 * widths[:, None]
+    mean, ways = 0.5 * (first + last)[..., 0], [half * end[..., 1] for end in (first, last)]
+    free = half * first[..., 2], half * last[..., 2], ways[0] - mean, ways[1] + mean
+    problem = widths, *others, turns[:, :0].copy(), np.stack(free, axis=2)
     count = 2 * (len(middle) - 2) + (1 + block.along.shape[1]) * (len(middle) - 1)
-    count += (1 + 2 * free.shape[1]) * len(middle)
-    problem = widths, *others, turns[:, :0].copy(), np.full(len(jerk), np.inf), free
+    count += (1 + turns.shape[1]) * len(middle)
     weight = _FIRST * block.time(middle) / count
     block.centre(middle, weight)  # away from all limits Newton's method gets under way sooner
     while True:
@@ -150,7 +143,7 @@ def _least_time(block, middle):
         if weight * count <= _GAP * block.time(middle):
             break
         weight *= FALL
-    time, _ = _scurve_kernels.potential(problem, middle, weight, *np.empty((2, len(jerk) + 1)))
+    time, _ = _scurve_kernels.potential(problem, middle, weight, *np.empty((2, len(middle) + 1)))
     return time + sum(block.ramp_times) - weight * (count + np.sqrt(count * decrement / weight))
 
 
