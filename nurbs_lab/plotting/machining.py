@@ -14,14 +14,14 @@ from nurbs_lab.plotting.solids import MATERIAL, triangles
 from nurbs_lab.plotting.stage import CLAY, frame, given_or_new, polylines, scene
 from nurbs_lab.plotting.style import BLUE, GREEN, GREY, ORANGE, PINK, SIGNED, canvas, takes_axes, takes_stage
 
-KINDS = {"cut": (BLUE, 2.0), "link": (ORANGE, 5.0), "plunge": (GREEN, 5.0), "rapid": (PINK, 2.0)}  # , width
+KINDS = {"cut": (BLUE, 2.0), "link": (ORANGE, 5.0), "plunge": (GREEN, 5.0), "rapid": (PINK, 5.0)}  # , width
 SPACING = 0.4  # mm between the points that are drawn
 MOST_NODES = 500_000  # of a block that are drawn
 
 
 @takes_stage
 def program(program, *, part=None, stage=None, title=None):
-    """The moves of a program in space: cuts blue, links orange, plunges thick and green.
+    """The moves of a program in space: cuts blue and thin, links orange, plunges green, rapids pink.
 
     Parameters
     ----------
