@@ -1,4 +1,4 @@
-"""A binary tree of boxes over leaves in Morton order, for searches that visit the nearest boxes first.
+"""A binary tree of boxes, for searches that visit the nearest boxes first.
 
 ``boxes (2 leaves - 1, 2 dim)`` holds the least and then the largest coordinates of every node. The children
 of node i are 2 i + 1 and 2 i + 2; the last ``leaves`` nodes are the leaves, a power of two. Leaves that are
@@ -12,22 +12,15 @@ from nurbs_lab.common.kernels import compiled, inlined
 LEAF = 4  # items of a leaf
 
 
-@compiled
 def box_tree(leaves):
     """The tree over the boxes ``leaves (m, 2 dim)``."""
-    dim = leaves.shape[1] // 2
-    size = 1
-    while size < len(leaves):
-        size *= 2
-    boxes = np.empty((2 * size - 1, 2 * dim))
-    for i in range(size):
-        for d in range(2 * dim):
-            missing = np.inf if d < dim else -np.inf
-            boxes[size - 1 + i, d] = leaves[i, d] if i < len(leaves) else missing
-    for node in range(size - 2, -1, -1):
-        for d in range(dim):
-            boxes[node, d] = min(boxes[2 * node + 1, d], boxes[2 * node + 2, d])
-            boxes[node, dim + d] = max(boxes[2 * node + 1, dim + d], boxes[2 * node + 2, dim + d])
+    dim, size = leaves.shape[1] // 2, 1 << max(len(leaves) - 1, 0).bit_length()
+    boxes = np.repeat([[np.inf, -np.inf]], dim, axis=1).repeat(2 * size - 1, axis=0)
+    boxes[size - 1 : size - 1 + len(leaves)] = leaves
+    while size > 1:
+        size //= 2
+        nodes, pairs = boxes[size - 1 : 2 * size - 1], boxes[2 * size - 1 : 4 * size - 1].reshape(size, 2, -1)
+        nodes[:, :dim], nodes[:, dim:] = pairs[..., :dim].min(axis=1), pairs[..., dim:].max(axis=1)
     return boxes
 
 
@@ -53,22 +46,12 @@ def open_box(node, to_left, to_right, stack, bounds, waiting):
     return waiting + 2
 
 
-@compiled
 def morton(cells):
     """Places ``(n,)`` of cells with coordinates ``(n, dim)`` along the Z-order curve, neighbours together."""
-    count, dim = cells.shape
-    code = np.zeros(count, np.int64)
-    top = 0
-    for i in range(count):
+    code, dim = np.zeros(len(cells), np.int64), cells.shape[1]
+    for bit in range(int(cells.max()).bit_length()):
         for d in range(dim):
-            top = max(top, cells[i, d])
-    bits = 0
-    while top >> bits:
-        bits += 1
-    for i in range(count):
-        for bit in range(bits):
-            for d in range(dim):
-                code[i] |= ((cells[i, d] >> bit) & 1) << (dim * bit + d)
+            code |= ((cells[:, d] >> bit) & 1) << (dim * bit + d)
     return code
 
 
@@ -80,12 +63,34 @@ def order_along(places):
     return np.argsort(morton(cells.astype(np.int64)), kind="stable")
 
 
+@compiled
+def order_halved(places):
+    """An order of places ``(n, dim)`` for a tree whose nodes are halved across their longest side."""
+    order, size = np.arange(len(places)), LEAF
+    while size < len(places):
+        size *= 2
+    waiting = [(0, len(places), size)]
+    while waiting:
+        start, stop, size = waiting.pop()
+        half, some = size // 2, order[start:stop]
+        if half < LEAF:
+            continue
+        if len(some) > half:
+            sides = np.array([np.ptp(places[some, d]) for d in range(places.shape[1])])
+            along = places[some, sides.argmax()]
+            cut = np.partition(along, half)[half]
+            order[start:stop] = np.concatenate((some[along < cut], some[along == cut], some[along > cut]))
+            waiting.append((start + half, stop, half))
+        waiting.append((start, min(start + half, stop), half))
+    return order
+
+
 def tree_along(places, lows, highs):
-    """Items in boxes from ``lows (n, 3)`` to ``highs``: an order along the Z-order curve, and a tree over it.
+    """Items in boxes from ``lows (n, 3)`` to ``highs``: an order by their places, and a tree over it.
 
     Every leaf holds `LEAF` items that follow one another in this order ``(n,)``, the last one perhaps fewer.
     """
-    order = order_along(places)
+    order = order_halved(places)
     starts = np.arange(0, len(order), LEAF)
     leaves = np.minimum.reduceat(lows[order], starts), np.maximum.reduceat(highs[order], starts)
     return order, box_tree(np.hstack(leaves))

@@ -60,14 +60,14 @@ def left(points, tips, boxes, shape, enough, upright, out, which):
     """Lower ``out`` at every point to how far `off` the nearest of all cutters is, and say in ``which``.
 
     The tips are in the order of the tree ``boxes``. The nearer one of two boxes is opened first. The tip
-    nearest to one point gives a first distance for the next. A search ends below ``enough``.
+    nearest to one point gives a first distance for the next. A search ends below ``enough (n,)``.
     """
     held, leaves, stack, gaps = ZERO, (len(boxes) + 1) // 2, np.empty(128, np.int64), np.empty(128)
     for i in range(len(points)):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
         best = min(out[i], off(x - tips[held, 0], y - tips[held, 1], z - tips[held, 2], shape, upright))
         stack[0], gaps[0], waiting = 0, -np.inf, 1
-        while waiting and best >= enough:
+        while waiting and best >= enough[i]:
             waiting -= 1
             node = stack[waiting]
             if gaps[waiting] >= best:

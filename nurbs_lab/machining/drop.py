@@ -70,12 +70,8 @@ class Contact:
         return np.where(out > start, out + self.allowance, least)
 
     def collides(self, tips) -> np.ndarray:
-        """Whether the cutter cuts into the part with its tip at each of ``tips (n, 3)``.
-
-        Of ``tips (n, m, 3)``, whether it does at any of the m tips of each row.
-        """
-        count = tips.shape[1] if tips.ndim == 3 else 1
-        return self.strays(tips.reshape(-1, 3), np.arange(0, tips.size // 3 + 1, count))
+        """Whether the cutter cuts into the part with its tip at each of ``tips (n, 3)``."""
+        return self.strays(tips, np.arange(len(tips) + 1))
 
     def strays(self, tips, starts, farther=None) -> np.ndarray:
         """Of rows of tips, whether this cutter cuts into the part, or the one ``farther`` off does not.

@@ -144,12 +144,12 @@ def covering(fitting, plan, scallop, stock, after, material):
     if after is not None:
         far = np.minimum(far, depths(stock, above, points))
     for one in done:
-        far, _ = left_over(*one, points, far)
+        far, _ = left_over(*one, points, far, gaps + scallop)
     poor, above[~found], before = far - gaps > scallop, 0.0, np.inf
     fresh = paths = fit_paths(fitting, plan.paths(tips[poor], tips[~poor]))
     while True:
         done = [*done, (cutter, locations(fresh))]
-        far, _ = left_over(*done[-1], points, far)
+        far, _ = left_over(*done[-1], points, far, gaps + scallop)
         some, over, deep = standing(touch, cutter, points, above, scallop, done, places)
         left, rest, done = far - gaps, np.delete(np.arange(len(points)), some), []
         left[some], tips[some], above[rest] = deep, over, 0.0

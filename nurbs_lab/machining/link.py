@@ -162,7 +162,7 @@ class Ways:
             if self.material.rest(start[None, :2])[0] <= start[2]:
                 tips = start + np.linspace(0.0, 1.0, int(length / CLOSE) + 1)[:, None] * (begin - start)
                 tips = np.concatenate([tips[::16], tips])  # most ways that collide do so at the first few
-                if not self.bare.collides(tips[None])[0]:
+                if not self.bare.strays(tips, np.array([0, len(tips)]))[0]:
                     down = Move("link", _spline((start + up, start)), self.feed)
                     return [down, Move("cut", _spline((start, begin)), self.feed)]
         return []

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nurbs_lab.common.box_tree import tree_along
+from nurbs_lab.common.box_tree import order_along, tree_along
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.machining import _kernels_sweep as kernels
@@ -39,12 +39,13 @@ class Samples:
 def sample_surface(part, spacing) -> Samples:
     """Samples outside undercuts, each for an area of ``spacing`` squared or less.
 
-    They follow one another in equal steps of the area along the triangles, which the tree of the part sorted
-    so that neighbours are close together. Inside the triangles they are points of Roberts' sequence R2.
+    They follow one another in equal steps of the area along the triangles, in an order in which neighbours
+    are close together. Inside the triangles they are points of Roberts' sequence R2.
     """
-    outward = part.normals * np.where(part.volume < 0.0, -1.0, 1.0)
-    up = outward[:, 2] >= -SINGLE
-    areas, corners = 0.5 * lengths(part.tree.normals), part.tree.corners.reshape(-1, 3, 3)
+    corners = part.tree.corners.reshape(-1, 3, 3)
+    order = order_along(corners.mean(axis=1))
+    outward = part.normals[order] * np.where(part.volume < 0.0, -1.0, 1.0)
+    up, corners, areas = outward[:, 2] >= -SINGLE, corners[order], 0.5 * lengths(part.tree.normals[order])
     undercut = float(areas[~up].sum())
     ends = np.cumsum(areas[up])
     whole = ends[-1] if len(ends) else 0.0
@@ -52,7 +53,6 @@ def sample_surface(part, spacing) -> Samples:
     require_size(wanted, MOST_SAMPLES, "scallop or spacing is too small", "samples of the part")
     count = int(np.ceil(wanted))
     share, corners, outward = whole / max(count, 1), corners[up], outward[up]
-
     points, normals = np.empty((2, count, 3))
 
     def kernel(block):
@@ -160,17 +160,18 @@ def left_over(cutter, tips, points, reach=np.inf, enough=-np.inf, upright=False)
     """Distance ``(n,)`` of each point to the nearest of the cutters with tips ``tips``, and which one it is.
 
     It is negative inside. If ``upright``, it is the height of the lowest one over the point. Larger ones than
-    ``reach``, a number or one for each point, are returned as ``reach``, of any cutter, and the first one
-    found that is less than ``enough`` will do.
+    ``reach`` are returned as ``reach``, of any cutter, and the first one found that is less than ``enough``
+    will do; both are a number or one for each point.
     """
     out, which = np.full(len(points), reach, float), np.zeros(len(points), int)
+    enough = np.full(len(points), enough, float)
     if not len(tips) or not len(points):
         return out, which
     order, boxes = tree_along(tips, tips, tips)
-    tips = tips[order]
+    tips, shape = tips[order], cutter.shape
 
     def kernel(block):
-        kernels.left(points[block], tips, boxes, cutter.shape, enough, upright, out[block], which[block])
+        kernels.left(points[block], tips, boxes, shape, enough[block], upright, out[block], which[block])
 
     over_blocks(kernel, len(points), "measuring what is left")
     return out, order[which]

@@ -1,4 +1,4 @@
-"""Exact distance from points to a triangle mesh: a tree of boxes over triangles in Morton order."""
+"""Exact distance from points to a triangle mesh: a tree of boxes over triangles."""
 
 import numpy as np
 

@@ -22,9 +22,7 @@ class TriangleTree:
     normals : (m, 3) array
         Twice the area of each triangle along its normal.
     boxes : (n, 6) array
-        Least and largest x, y, z of the nodes of a full binary tree: the children of node i are 2 i + 1 and
-        2 i + 2, the last (n + 1) / 2 nodes are leaves of `box_tree.LEAF` triangles
-        each.
+        Least and largest x, y, z of the nodes, as in `box_tree`, with leaves of `box_tree.LEAF` triangles.
     order : (m,) array
         Which of the triangles given comes where in ``corners``.
     """
@@ -62,7 +60,7 @@ class TriangleTree:
 
 
 def triangle_tree(corners) -> TriangleTree:
-    """Sort the triangles ``corners (m, 3, 3)`` into a binary tree of boxes along the Morton curve."""
+    """Sort the triangles ``corners (m, 3, 3)`` into a binary tree of boxes."""
     a, b, c = np.moveaxis(corners, 1, 0)
     low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
     order, boxes = tree_along((a + b + c) / 3.0, low, high)
