@@ -303,5 +303,5 @@ class Workbench:
 
     def _repr_mimebundle_(self, **options):
         alt = f"{self.choice.value}: {', '.join(self.pictures)}"
-        data, told = bundle(sheet(self.pictures.values()), f"Workbench({self.choice.value!r})", alt)
+        data, told = bundle(sheet(self.pictures), f"Workbench({self.choice.value!r})", alt)
         return self.widget._repr_mimebundle_(**options) | data, told

@@ -49,7 +49,8 @@ def drag(curve):
     }
     alt = f"a curve of degree {p} with {len(curve.control_points)} control points, which can be dragged"
     more = {"text/html": page(shape, uuid.uuid4(), SCRIPT.read_text())} if live() else {MIME: shape}
-    return Stored(sheet([png_of(plot(curve)), png_of(basis(curve))]), alt, "curve", more=more)
+    pictures = {"curve": png_of(plot(curve)), "basis functions": png_of(basis(curve))}
+    return Stored(sheet(pictures), alt, "curve", more=more)
 
 
 def page(shape, name, script="", picture="") -> str:

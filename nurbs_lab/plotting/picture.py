@@ -3,9 +3,14 @@
 import base64
 import io
 from dataclasses import dataclass, field
+from pathlib import Path
 
+from matplotlib import get_data_path
 from matplotlib.figure import Figure
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
+
+FONT = str(Path(get_data_path(), "fonts/ttf/DejaVuSans.ttf"))  # that of plane pictures, for all others
+HEAD = 30  # pixels of a name over a picture
 
 
 class Picture(Figure):
@@ -59,14 +64,15 @@ def opened(file):
 
 
 def sheet(files, width=700):
-    """Several PNG files one below the other, as the bytes of one."""
-    pictures = map(opened, files)
-    pictures = [one.resize((width, one.height * width // one.width)) for one in pictures]
-    whole = Image.new("RGB", (width, sum(one.height for one in pictures)), "white")
-    top = 0
-    for one in pictures:
-        whole.paste(one, (0, top))
-        top += one.height
+    """Several PNG files by name, one below the other and each under its name, as the bytes of one."""
+    named = {name: opened(file) for name, file in files.items()}
+    named = {name: one.resize((width, one.height * width // one.width)) for name, one in named.items()}
+    whole = Image.new("RGB", (width, sum(HEAD + one.height for one in named.values())), "white")
+    pen, top = ImageDraw.Draw(whole), 0
+    for name, one in named.items():
+        pen.text((HEAD, top + HEAD // 3), name, fill="black", font=ImageFont.truetype(FONT, HEAD // 2))
+        whole.paste(one, (0, top + HEAD))
+        top += HEAD + one.height
     return stored_png(whole)
 
 

@@ -4,19 +4,16 @@ import os
 import re
 import sys
 from contextlib import contextmanager
-from pathlib import Path
 
 import numpy as np
 import pyvista as pv
-from matplotlib import get_data_path
 from matplotlib.figure import Figure
 from PIL import Image
 from vtkmodules.vtkCommonCore import vtkLogger
 
 from nurbs_lab.plotting.orbit import MIME, packed
-from nurbs_lab.plotting.picture import Stored, stored_png
+from nurbs_lab.plotting.picture import FONT, Stored, stored_png
 
-FONT = str(Path(get_data_path(), "fonts/ttf/DejaVuSans.ttf"))  # that of the plane pictures
 CLAY = "#D5DEEA"
 INK = "#202020"
 TITLE_AT = (60, 32)  # pixels from the left and the top of a view; beside the button of the live viewer
