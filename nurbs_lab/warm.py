@@ -60,7 +60,8 @@ def paths() -> None:
     limits = {"speed": 4.0, "acceleration": 40.0, "chord_error": 1e-3, "axis_acceleration": 40.0}
     feed = nl.plan_feed(curve, period_s=1e-2, **limits)
     nl.plan_feed(curve, period_s=1e-2, jerk=400.0, axis_jerk=400.0, **limits).time_at(1.0)
-    nl.plan_feed(nl.NurbsCurve(1, [0, 0, 1, 2, 2], [(0, 0), (1, 0), (1, 1)]), nl.Limits(4.0, 40.0))
+    for one in (curve, nl.NurbsCurve(1, [0, 0, 1, 2, 2], [(0, 0), (1, 0), (1, 1)])):
+        nl.plan_feed(one, nl.Limits(4.0, 40.0))
     nl.motion.apply_override(feed, [(0.5, 0.5)])
     for name in nl.motion.software_steppers():
         nl.trace(curve, feed, stepper=name)

@@ -102,10 +102,11 @@ class Part:
         if self.program is not None:
             replaced = f", for {self.blocks} in the file" if self.blocks else ""
             lines.append(f"program of {len(self.program.moves)} moves{replaced}")
-        worst = 100 * np.abs(self.path.chord_fluctuation).max()
+        worst = 100 * np.abs(self.path.chord_fluctuation[:-1]).max(initial=0.0)  # the last is what was left
         lines.append(f"path of {self.curve.length():.2f} mm in {self.path.t[-1]:.3f} s")
         size = f"{worst:.1e}" if worst > 1e-6 else "below 1e-6"  # where rounding decides
-        lines.append(f"{self.path.stepper}: largest feed fluctuation {size} %, by chord")
+        said = f"largest feed fluctuation {size} %, by chord, before the last step"
+        lines.append(f"{self.path.stepper}: {said}")
         return "\n".join(lines)
 
 
