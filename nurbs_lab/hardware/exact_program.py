@@ -17,7 +17,7 @@ from nurbs_lab.motion import FeedProfile
 from nurbs_lab.motion.feed import MOST_SAMPLES
 from nurbs_lab.nurbs import NurbsCurve, approximate_curve
 from nurbs_lab.nurbs.along import lengths_along
-from nurbs_lab.nurbs.measure import UNEVEN, spread
+from nurbs_lab.nurbs.measure import UNEVEN, samples_along
 
 #: Bits of t below those that enter a product; bits of lengths below the last one of a step.
 T_GUARD, S_GUARD = 12, 12
@@ -226,7 +226,7 @@ def _cubics(curve):
         elif bezier.weights.max() > UNEVEN * bezier.weights.min():
             waiting += bezier.split(sum(bezier.domain) / 2)[::-1]
         else:
-            u, points = spread(bezier, 201)
+            u, points = samples_along(bezier, 201)
             near = approximate_curve(points, 3, tolerance=_NEAR * np.ptp(curve.control_points, axis=0).max())
             along = lengths_along(points)
             for piece in near.beziers():

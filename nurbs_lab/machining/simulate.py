@@ -14,7 +14,7 @@ from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
 from nurbs_lab.machining.stock import RIM, TIP_SPACING, as_stock, bounds_of, cell_of, needle, stock_field
 from nurbs_lab.mesh.read import without_cache
-from nurbs_lab.nurbs.measure import spread
+from nurbs_lab.nurbs.measure import samples_along
 
 CONTACTS = (
     ("rapid moves cut", "plan the program for this stock"),
@@ -118,7 +118,7 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
             before[:], since, kind = heights, 0.0, move.kind
             top = before.max() - bodies[:, 1].min()
         since += TIP_SPACING * resolution * counts[i]
-        tips = spread(move.curve, int(counts[i]))[1]
+        tips = samples_along(move.curve, int(counts[i]))[1]
         grow = rounding if move.kind == "rapid" else 0.0
         kernels.cut(grid, tips, cutter.shape, grow, bodies, before, top, rim, edges, found[i])
     contacts = np.zeros((len(found), len(CONTACTS)))

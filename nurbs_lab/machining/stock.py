@@ -12,7 +12,7 @@ from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import NEEDLE, Contact, contact
 from nurbs_lab.machining.field import TipField, empty_field
 from nurbs_lab.machining.part import part_named, prepare_part
-from nurbs_lab.nurbs.measure import spread
+from nurbs_lab.nurbs.measure import samples_along
 
 CELLS = 24  # along a diameter, of the grid that holds the material while a program is planned
 MOST_CELLS = 4e6
@@ -145,7 +145,7 @@ class Material:
     def along(self, curve) -> np.ndarray:
         """Points of a curve, half a cell apart, ``(n, 3)``."""
         size = lengths(np.diff(curve.control_points, axis=0)).sum()
-        return spread(curve, int(size / (TIP_SPACING * self.field.step)) + 2)[1]
+        return samples_along(curve, int(size / (TIP_SPACING * self.field.step)) + 2)[1]
 
     def above(self, points) -> np.ndarray:
         """Height of the material over points ``(n, 3)``, infinite where there is none."""

@@ -14,7 +14,7 @@ from nurbs_lab.machining.simulate import coarse
 from nurbs_lab.machining.stock import as_stock, depths, material_of
 from nurbs_lab.machining.surface import at_rest, left_over, sample_surface, standing, visible
 from nurbs_lab.mesh.read import without_cache
-from nurbs_lab.nurbs.measure import spread
+from nurbs_lab.nurbs.measure import samples_along
 
 SPACING = 0.006  # diameters between sampled tips
 SAMPLES = 0.03  # diameters between samples of the part, by default
@@ -217,7 +217,7 @@ def locations(program, kinds=("plunge", "cut", "link")):
             control = move.curve.control_points
             size = lengths(np.diff(control, axis=0)).sum()
             count = max(TIMES * len(control), int(size / step)) + 1
-            places.append(spread(move.curve, count)[1])
+            places.append(samples_along(move.curve, count)[1])
     if len(places) == 1 and "cut" in kinds:
         raise ValueError("program has no move that cuts")
     return np.concatenate(places)

@@ -97,7 +97,7 @@ def s_curve(path, limits, ends, fineness):
 
 def _prepare(path, limits, speeds, lengths, squares, fineness):
     """The block of a path, and a slow motion."""
-    zones = _one_a_place(path)
+    zones = _one_zone_a_place(path)
     places = np.concatenate([[0.0], zones[:, :2].mean(axis=1).clip(0.0, path.length), [path.length]])
     slowest = np.concatenate([speeds[:1], zones[:, 2] * zones[:, 3], speeds[1:]])
     near = path.lengths <= places[1], path.lengths >= places[-2]
@@ -120,7 +120,7 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     return block, _guess(block, steepest, slowest, stretches)
 
 
-def _one_a_place(path):
+def _one_zone_a_place(path):
     """The zones of the path; of a corner at which curvatures jump too, the slower one."""
     order = np.argsort(path.zones[:, 2] * path.zones[:, 3], kind="stable")
     at = np.round(path.zones[order, :2].mean(axis=1) / path.length, 12)

@@ -46,7 +46,7 @@ def length(curve, u0, u1):
     return float(size * total)
 
 
-def spread(curve, count):
+def samples_along(curve, count):
     """Parameters from end to end and the points there: ``count`` even ones, and more where a step is long.
 
     That is where it is more than `LONG` times as long as one of as many even steps along the control polygon.
