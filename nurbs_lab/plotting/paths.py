@@ -87,7 +87,7 @@ def fluctuation(paths, *, metric="chord", over="u"):
 
     A path of many steps is cut into 300 pieces, and the largest error of each piece is drawn. The last step
     is left out: it is commanded what was left to go, so it has no error of its own. What is below 1e-9 % is
-    rounding, and the panels end there.
+    rounding, and the panels of several paths end there; that of one path ends at its least value.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def fluctuation(paths, *, metric="chord", over="u"):
             if len(first):
                 pieces = np.maximum.reduceat(np.maximum(values, _ROUNDING), first), [*at[first], at[-2]]
                 panel.stairs(*pieces, baseline=None, color=BLUE)
-            panel.set(yscale="log", ylim=(_ROUNDING, None))
+            panel.set(yscale="log", ylim=(_ROUNDING if len(named) > 1 else None, None))
             rms = _percent(np.sqrt((values**2).sum() / max(len(values), 1)))
             said = f"{name}\nlargest {largest[name]}\nrms {rms}"
             panel.annotate(said, (1.02, 0.5), xycoords="axes fraction", va="center", annotation_clip=False)
