@@ -138,7 +138,7 @@ def path_of(job, stepper, options):
     """The measured tool path of a job that is known to be possible."""
     steps = run(stepper, job, options)
     track, feed, period_s = job.track, job.feed, job.period_s
-    u, count = steps.u, len(steps.u) - 1
+    u, count = np.asarray(steps.u), len(steps.u) - 1
     moved, chord, rise, commanded = (np.empty(count) for _ in range(4))
     span_kernels.moved_lengths(track.spans, track.panels, u, moved)
     leap = int(moved.argmax())

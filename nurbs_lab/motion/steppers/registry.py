@@ -120,8 +120,8 @@ class Stepper:
         declared = {option.name: option for option in self.options}
         for name in given:
             if name not in declared:
-                known = f"it takes {', '.join(declared)}" if declared else "it takes none"
-                raise TypeError(f"stepper {self.name!r} has no option {name!r}; {known}")
+                known = ", ".join(declared) or "none"
+                raise TypeError(f"stepper {self.name!r} has no option {name!r}; it takes {known}")
         return {name: declared[name].check(value) for name, value in given.items()}
 
 
@@ -166,10 +166,8 @@ def find_stepper(name):
     if not isinstance(name, str):
         raise TypeError(f"stepper must be a name, one of {', '.join(STEPPERS)}; got {shown(name)}")
     if name not in STEPPERS:
-        near = get_close_matches(name, STEPPERS, n=3, cutoff=0.4)
-        hint = (
-            f"did you mean {' or '.join(map(repr, near))}?" if near else f"choose from {', '.join(STEPPERS)}"
-        )
+        near = " or ".join(map(repr, get_close_matches(name, STEPPERS, n=3, cutoff=0.4)))
+        hint = f"did you mean {near}?" if near else f"choose from {', '.join(STEPPERS)}"
         raise ValueError(f"unknown stepper {shown(name)}; {hint}")
     return STEPPERS[name]
 
@@ -181,7 +179,13 @@ def run(stepper, job, options):
             f"curve has a double end point, where C' vanishes and {stepper.name!r} finds no step; take "
             + ", ".join(repr(one.name) for one in _STEPPERS.values() if one.keeps)
         )
-    return stepper.run(job, **options)
+    steps = as_kind(f"what {stepper.name!r} returns", stepper.run(job, **options), Steps)
+    u, forward = steps.u, np.append(np.diff(steps.u) >= 0.0, steps.u[-1] == job.track.domain[1])
+    if steps.points is None and not forward.all():
+        step = int(forward.argmin())
+        what = "no forward step" if step < len(u) - 1 else "the end of the curve is not reached"
+        raise ValueError(f"step {step} at u = {u[step]:.9g}: {what}; try a shorter period or another stepper")
+    return steps
 
 
 def steps_of(job, kernel, *options, details=None):
@@ -193,8 +197,4 @@ def steps_of(job, kernel, *options, details=None):
     track, counts, u = job.track, np.zeros(4, dtype=np.int64), np.empty(job.last_step + 1)
     u[0] = track.domain[0]
     step = kernel(track.spans, job.feed.table, job.period_s, u, counts, *options)
-    broken = np.isnan(u[step + 1])
-    if broken or u[step + 1] != track.domain[1]:
-        what = "no forward step" if broken else "the end of the curve is not reached"
-        raise ValueError(f"step {step} at u = {u[step]:.9g}: {what}; try a shorter period or another stepper")
     return Steps(u[: step + 2], tuple(map(int, counts)), details=details or {})

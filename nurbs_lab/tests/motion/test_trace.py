@@ -133,6 +133,36 @@ def test_a_new_stepper_needs_one_registration():
     assert run.stdout.split() == ["mine", "mine"]
 
 
+@pytest.mark.parametrize(
+    ("spoil", "refused"),
+    [
+        (lambda u: np.concatenate([u[:5], u[2:]]), "step 4 at .*: no forward step"),
+        (lambda u: np.concatenate([u[:5], [np.nan], u[6:]]), "step 4 at .*: no forward step"),
+        (lambda u: u[:-3], "the end of the curve is not reached"),
+        (lambda u: np.concatenate([u[:-1], [1.01]]), "the end of the curve is not reached"),
+    ],
+)
+def test_a_rule_that_goes_back_or_stops_short_is_refused(spoil, refused):
+    def run(job):
+        return nl.motion.Steps(spoil(nl.STEPPERS["rk4"].run(job).u), (0, 4, 0, 0))
+
+    rule = nl.motion.Stepper("spoiled", "wrong on purpose", (0, 4, 0, 0), run)
+    with pytest.raises(ValueError, match=refused):
+        nl.trace(nl.paper.CURVE, 4.0, stepper=rule, period_s=1e-2)
+
+
+def test_a_rule_may_give_a_list_but_not_bare_parameters():
+    wanted = nl.trace(nl.paper.CURVE, 4.0, stepper="rk4", period_s=1e-2).u
+
+    def traced(answer):
+        rule = nl.motion.Stepper("mine", "as a reader writes it", (0, 4, 0, 0), lambda job: answer)
+        return nl.trace(nl.paper.CURVE, 4.0, stepper=rule, period_s=1e-2).u
+
+    np.testing.assert_array_equal(traced(nl.motion.Steps(wanted.tolist(), (0, 4, 0, 0))), wanted)
+    with pytest.raises(TypeError, match="what 'mine' returns must be a Steps, got ndarray"):
+        traced(wanted)
+
+
 @pytest.mark.parametrize("stepper", ["adams", "rk4", "paper"])
 def test_a_plan_whose_steps_leap_over_short_spans_is_refused(stepper):
     """A span of 1e-9 mm between others of 1 mm with knots as far apart: |C'| is 1e-9 of theirs."""
