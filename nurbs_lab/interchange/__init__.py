@@ -31,6 +31,7 @@ _pieces.MARGIN          0.9          25 control points of a noisy wave,     (1: 
                                      not 21; a cubic 36 arcs, not 32
 HELIX_MM                1e-7         19 % more cubics of a helix            15 % fewer
 LEAST_RADIUS_MM         2.5e-3       LinuxCNC refuses arcs of 1 to 2 µm     nothing
+MOST_TURN               330°         3 blocks, not 1, for an arc of 320°    a circle open by 1 µm is 1 µm long
 _gcode_shapes.APART     5 µm, 0.1 %  more arcs that miss their ends named   fewer named than LinuxCNC refuses
 FINENESS                1e-4         4 times the triangles of a wavy net    nothing
 SMALL_MM                1000         a plate of 0.6 m in whole mm is asked  a hole 1.5 m off in µm is not

@@ -11,7 +11,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.interchange import _pieces
-from nurbs_lab.interchange._moves import HELIX_MM, bisecting, circle_through
+from nurbs_lab.interchange._moves import HELIX_MM, WHOLE, bisecting, circle_through
 from nurbs_lab.mesh.read import UNITS
 from nurbs_lab.nurbs.refinement import project
 
@@ -21,6 +21,7 @@ CENTRE = dict(zip("XYZ", "IJK", strict=True))
 WEIGHT_DIGITS = KNOT_DIGITS = 12
 COOLANTS = {"off": (), "mist": ("M7",), "flood": ("M8",)}
 LEAST_RADIUS_MM = 2.5e-3  # of an arc: LinuxCNC refuses one of up to 1 to 2 µm
+MOST_TURN = 11 / 6 * np.pi  # radians of a block: of a longer one, the rounding of its ends moves the centre
 PLACES = 9  # of a Bezier piece, where it is compared with one arc
 
 
@@ -28,6 +29,10 @@ def number(value, digits):
     """Fixed-point, without an exponent and without zeros at the end."""
     text = f"{value:.{digits}f}".rstrip("0").rstrip(".") if digits else f"{value:.0f}"
     return "0" if text == "-0" else text
+
+
+def _signed(value, digits=8):
+    return f"{'+' if value >= 0 else ''}{number(value, digits)}"
 
 
 class G1:
@@ -38,6 +43,7 @@ class G1:
     name, tail, reset = "%\nO{}", ("%",), "G40 G80"
     offsets = 54, 55, 56, 57, 58, 59  # G words of those of a setup
     straight_word, rapid_word = "G1 ", "G0 "
+    written = staticmethod(number)
     degree = 1  # up to which curves are exact
 
     def __init__(self, units, axes, tolerance, setup=None):
@@ -81,7 +87,7 @@ class G1:
 
     def words(self, point, letters=None):
         numbers = zip(letters or self.axes, point, strict=True)
-        return " ".join(f"{letter}{number(value, self.digits)}" for letter, value in numbers)
+        return " ".join(f"{letter}{self.written(value, self.digits)}" for letter, value in numbers)
 
     def rounded(self, points):
         if np.abs(points).max(initial=0) > LARGEST:
@@ -101,8 +107,7 @@ class G1:
 
     def straight(self, points, feed):
         points = self.rounded(points)
-        before = points[:1] + np.nan if self.position is None else self.position[None]
-        moved = (np.diff(points, axis=0, prepend=before) != 0).any(axis=1)
+        moved = (np.diff(points, axis=0, prepend=self.position[None]) != 0).any(axis=1)
         self.position = points[-1]
         for point in points[moved].tolist():
             yield self.straight_word + self.words(point) + self.feed_word(feed)
@@ -137,8 +142,10 @@ class Round(G1):
         return [[self.axes.find(letter) for letter in pair] for pair in PLANES if set(pair) <= set(self.axes)]
 
     def turns(self, end, centre, turn, columns, feed):
-        """To a point, by an angle about a centre, of which one block holds a whole turn at most."""
-        start, count = self.position.copy(), int(np.ceil(abs(turn) / (2 * np.pi) - 1e-6))
+        """To a point, by an angle about a centre: in whole turns, or in blocks of MOST_TURN at most."""
+        start, count = self.position.copy(), round(abs(turn) / (2 * np.pi))
+        if count == 0 or lengths((end - start)[columns]) > 2 * 10.0**-self.digits:
+            count = int(np.ceil(abs(turn) / MOST_TURN))
         a, b = start[columns] - centre, np.array([[0, 1], [-1, 0]]) @ (centre - start[columns])
         for part in np.arange(1, count + 1) / count:
             point = start + part * (end - start)
@@ -147,11 +154,13 @@ class Round(G1):
             yield from self.arc(point, centre, turn / count, columns, feed)
 
     def arc(self, end, centre, turn, columns, feed):
-        """At most a whole turn; straight where the arc is too flat."""
+        """A whole turn, which ends where it starts, or a part; straight where the arc is too flat."""
         (end,) = self.rounded(end[None])
-        whole, p, q = abs(turn) > 2 * np.pi - 1e-6, self.position[columns], end[columns]
+        if whole := abs(turn) > MOST_TURN:
+            end[columns] = self.position[columns]
+        p, q = self.position[columns], end[columns]
         radius, chord = (lengths(v) for v in (centre - p, q - p))
-        flat = not whole and (turn == 0 or chord**2 < 8 * radius * 10.0**-self.digits)
+        flat = not whole and (abs(turn) <= WHOLE or chord**2 < 8 * radius * 10.0**-self.digits)
         if flat or radius > LARGEST:
             yield from self.straight(end[None], feed)
         else:
@@ -286,6 +295,7 @@ class Heidenhain(Round):
     unit_words = "MM", "INCH"
     comment, end = "; {}", "M30"
     straight_word = rapid_word = "L "
+    written = staticmethod(_signed)
     degree = 3
     largest = 9.9  # of a K without an exponent, less what rounding adds
     name = "NURBS_LAB"
@@ -311,10 +321,6 @@ class Heidenhain(Round):
             goes_on = before.endswith("~")
             yield line if goes_on else f"{count} {line}"
             count, before = count + (not goes_on), line
-
-    def words(self, point, letters=None):
-        numbers = zip(letters or self.axes, point, strict=True)
-        return " ".join(f"{letter}{_signed(value, self.digits)}" for letter, value in numbers)
 
     def feed_word(self, feed):
         tenths = 10 if self.unit_word == "INCH" else 1  # F is in tenths of an inch
@@ -348,10 +354,6 @@ class Heidenhain(Round):
             lines[-1] += self.feed_word(feed)
             self.position = piece[-1]
             yield from " ~\n".join(lines).split("\n")
-
-
-def _signed(value, digits=8):
-    return f"{'+' if value >= 0 else ''}{number(value, digits)}"
 
 
 DIALECTS = {"g1": G1, "arcs": Arcs, "linuxcnc": LinuxCnc, "siemens": Siemens, "fanuc": Fanuc}

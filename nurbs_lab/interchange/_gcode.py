@@ -144,7 +144,7 @@ def _require_setup(setup, strokes, axes, dialect):
         cure = "give a curve in space, such as nurbs_lab.interpolate_curve of points with z = 0"
         raise ValueError(f"axes: a setup moves Z, got {shown(axes)}; leave setup out, or {cure}")
     top = max(curve.control_points[:, axes.index("Z")].max() for _, curve, *_ in strokes)
-    if setup.safe_z_mm < top:
+    if setup.safe_z_mm < top - 10.0**-setup.digits:  # a file's heights are rounded
         raise ValueError(f"setup: safe_z_mm = {setup.safe_z_mm:g} is below the highest move, {top:g}")
     if dialect == "fanuc" and setup.number is None:
         raise ValueError("setup: a program of Fanuc needs its number; give number=")

@@ -25,8 +25,8 @@ from OCP.TopoDS import TopoDS, TopoDS_Compound
 
 import nurbs_lab as nl
 from nurbs_lab.interchange._opencascade import edge_of
-from nurbs_lab.nurbs import cylinder
-from nurbs_lab.tests.interchange.shapes import assert_same, curve, path, surface
+from nurbs_lab.nurbs import arc, cylinder
+from nurbs_lab.tests.interchange.shapes import ASKED, MOVES, assert_same, curve, path, surface
 
 
 def closed_curve(dim):
@@ -206,3 +206,24 @@ def test_an_assembly_can_be_read(tmp_path):
     first, second = nl.read(cad_file(assembly, tmp_path / "assembly.step"))
     assert_same(one, first)
     assert_same(one.translate([0.0, 0.0, 7.0]), second)
+
+
+@pytest.mark.parametrize("dialect", ["arcs", "siemens", "fanuc", "heidenhain"])
+@pytest.mark.parametrize("gap", [5e-9, 2e-7, 1e-5, 1e-3, 0.3])
+@pytest.mark.parametrize(
+    "setup", [None, nl.Setup(tool=1, spindle_rpm=900, safe_z_mm=20.0006, number=1, digits=3)]
+)
+def test_a_circle_that_almost_closes_stays_whole(tmp_path, dialect, gap, setup):
+    """An arc that ends beside its start is neither a short straight move nor moved by rounding its ends."""
+    for radius, start in itertools.product((0.2, 9.7, 300.0), (0.0, 0.9, 2.6)):
+        one = arc(radius, start, start + 2 * np.pi - gap / radius, (1.0, 2.0))
+        one = one.transform(np.eye(3)[:, :2])
+        name = "a.h" if dialect == "heidenhain" else "a.nc"
+        file = nl.export(tmp_path / name, one, dialect=dialect, setup=setup, **ASKED)
+        moves = [move.curve for move in nl.read(file).moves if move.curve.degree > 1]
+        assert sum(move.length() for move in moves) == pytest.approx(one.length(), rel=1e-3, abs=3e-3)
+        points = np.vstack([move(np.linspace(0, 1, 99)) for move in moves])
+        away = np.hypot(points[:, 0] - 1, points[:, 1] - 2) - radius
+        assert np.abs(away).max() <= (3e-3 if setup else 1e-6)
+        again = nl.export(tmp_path / f"again-{name}", nl.read(file), dialect=dialect, setup=setup, **MOVES)
+        assert len(nl.read(again).moves) <= len(nl.read(file).moves) + 2 * bool(setup)
