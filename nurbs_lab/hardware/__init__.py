@@ -19,7 +19,7 @@ The others are definitions. Of the Verilog: its limits (`MOST_DEGREE`, `MOST_POI
 `SHAPE`, `CLOSE`), registers and orders (`CONTROL` to `OVERRIDE`, `GO`, `FORGET`, `ABORT`) and names
 (`ARRANGEMENTS`, `FAULTS`, `_STATES`). Of the formulas: `ADAMS`, `RUNGE_KUTTA`, `STARTED`. Of a stop, as its
 test has it: `LONGEST`, `ON_THE_WAY`. Of times: the paper's (`_PAPER`, `_UNITS_S`), counted operations
-(`_POINT`, `_SLOPE`, `_FORMULA`) and published cycles (`_M7_HZ`, `_M7_CYCLES`).
+(`_POINT`, `_SLOPE`, `_FORMULA`) and cycles of a processor (`_M7_HZ`, `_M7_CYCLES`).
 """
 
 from nurbs_lab.hardware.arithmetic import Format

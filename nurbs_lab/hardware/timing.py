@@ -2,7 +2,7 @@
 
 For the processor the paper means a program that evaluates C(u) eight times, one after the other, for every
 parameter. Here such a program is measured. On a microcontroller it is estimated: its floating-point
-operations are counted, times published cycles; loads, stores and branches are left out, so an estimate is a
+operations are counted, times cycles of each; loads, stores and branches are left out, and the estimate is a
 range.
 """
 
@@ -33,9 +33,9 @@ _UNITS_S = np.array([paper.CU_TIME_S, 1 / paper.CLOCK_HZ])
 #: Additions, products, quotients and roots of a point of the paper's curve by Cox-de Boor (The NURBS Book,
 #: A2.2 and A3.1; degree 2, plane), of a slope beyond its points, and of Eq. (17) itself.
 _POINT, _SLOPE, _FORMULA = np.array([(14, 12, 3, 0), (4, 2, 2, 1), (4, 5, 0, 0)])
-#: A Cortex-M7 in double precision, as the place of a tool needs 35 bits: cycles of each, at least, at one
-#: operation a cycle, and at most, where each waits for the result of the one before. Source: LLVM,
-#: ARMScheduleM7.td; Arm itself publishes no table.
+#: A Cortex-M7 in double precision, as the place of a tool needs 35 bits: cycles of each, at least, by our
+#: assumption (LLVM lets a product begin in every cycle, GCC in every third), and at most, where each waits
+#: for the one before: the latencies of LLVM's ARMScheduleM7.td. Arm itself publishes no table.
 _M7_HZ, _M7_CYCLES = 480e6, np.array([(1, 2, 30, 30), (4, 7, 30, 30)])
 
 
