@@ -32,12 +32,11 @@ def fit(target, layout, nodes, within) -> Patches:
     """Patches on a layout, near a target `Target` to about ``within``; ``nodes`` are its even grids."""
     net, count = number_nodes(layout, DEGREE + 1)
     equations = _Equations(net, smooth_conditions(layout, net, _angles(nodes)))
-    creases = _Creases(layout)
     faces, cells = len(nodes), nodes.shape[1] - 1
     even, grid = even_places(cells), even_places(GRID)
     face, uv = np.repeat(np.arange(faces), len(even)), np.tile(even, (faces, 1))
     start = face, uv, np.full(len(uv), 1.0 / len(even)), nodes.reshape(-1, 3)
-    solve = equations.solver(np.full(faces, ENERGY[0]), start, creases.samples(None))
+    solve = equations.solver(np.full(faces, ENERGY[0]), start, _creases(layout))
     patches = Patches(layout, net, solve())
     points, normals, weight = target.samples(count)
     own = np.repeat(np.arange(faces), len(grid)), np.tile(grid, (faces, 1))
@@ -66,7 +65,7 @@ def fit(target, layout, nodes, within) -> Patches:
         mesh_part = face, uv, total * (faces / total.sum()), points
         grid_part = *own, pulls[1] * (faces / pulls[1].sum()), feet
         energy = stiff * ENERGY[min(k, len(ENERGY)) - 1]
-        solve = equations.solver(energy, mesh_part, grid_part, creases.samples(patches))
+        solve = equations.solver(energy, mesh_part, grid_part, _creases(layout, patches))
         patches = Patches(layout, net, solve())
         patches = Patches(layout, net, _with_volume(patches, solve, target.volume))
     return best
@@ -131,36 +130,20 @@ def thin_plate():
     return np.kron(two, zero) + 2.0 * np.kron(one, one) + np.kron(zero, two)
 
 
-class _Creases:
-    """Samples of sharp edges, each at the nearest parameter of its edge."""
-
-    def __init__(self, layout):
-        chosen = np.flatnonzero(layout.sharp)
-        self.side, self.points = layout.sides[chosen, 0], layout.curves[chosen]
-
-    def samples(self, patches):
-        n = self.points.shape[1]
-        t = np.broadcast_to(np.linspace(0.0, 1.0, n), self.points.shape[:2])
-        if patches is not None and len(self.side):
-            t = self._nearest(patches)
-        face = np.repeat(self.side // 4, n)
-        uv = np.concatenate(
-            [
-                np.empty((0, 2)),
-                *(side_places(k, row) for k, row in zip(self.side[:, None] % 4, t, strict=True)),
-            ]
-        )
-        return face, uv, np.full(len(face), 1.0 / n), self.points.reshape(-1, 3)
-
-    def _nearest(self, patches):
-        """The nearest parameters among many, but 0 and 1 at the ends."""
+def _creases(layout, patches=None):
+    """Samples of sharp edges, those between the ends at the nearest parameters of the patches, if given."""
+    chosen = np.flatnonzero(layout.sharp)
+    side, points = layout.sides[chosen, 0], layout.curves[chosen]
+    count = points.shape[1]
+    t = np.tile(np.linspace(0.0, 1.0, count), (len(side), 1))
+    if patches is not None:
         nets = np.stack(turned(patches.nets), axis=1).reshape(-1, DEGREE + 1, DEGREE + 1, 3)
         there = np.arange(65) / 64
-        curve = basis_at(there) @ nets[self.side][:, :, 0]
-        gaps = ((self.points[:, :, None] - curve[:, None]) ** 2).sum(axis=-1)
-        t = there[gaps.argmin(axis=2)]
-        t[:, 0], t[:, -1] = 0.0, 1.0
-        return t
+        curve = basis_at(there) @ nets[side][:, :, 0]
+        gaps = ((points[:, 1:-1, None] - curve[:, None]) ** 2).sum(axis=-1)
+        t[:, 1:-1] = there[gaps.argmin(axis=2)]
+    uv = side_places(np.arange(4), t.ravel()).reshape(4, -1, count, 2)[side % 4, np.arange(len(side))]
+    return np.repeat(side // 4, count), uv.reshape(-1, 2), np.full(t.size, 1.0 / count), points.reshape(-1, 3)
 
 
 def _angles(nodes):

@@ -98,12 +98,12 @@ class Patches(Value):
 
 
 def basis_at(t, order=0):
-    """The Bernstein polynomials of degree 5 or their derivatives at t, ``(len(t), 6)``."""
-    p, t = DEGREE - order, np.asarray(t, dtype=float)[:, None]
+    """The Bernstein polynomials of degree 5 or their derivatives at t, ``(..., 6)``."""
+    p, t = DEGREE - order, np.asarray(t, dtype=float)[..., None]
     i = np.arange(p + 1)
     out = binom(p, i) * t**i * (1.0 - t) ** (p - i)
     for _ in range(order):
         p += 1
-        zero = np.zeros((len(t), 1))
-        out = p * (np.hstack([zero, out]) - np.hstack([out, zero]))
+        zero = np.zeros_like(t)
+        out = p * (np.concatenate([zero, out], axis=-1) - np.concatenate([out, zero], axis=-1))
     return out

@@ -50,21 +50,6 @@ class Shell(Value):
         return tuple(face.surface for face in self.faces)
 
     @property
-    def corners(self) -> np.ndarray:
-        """Number of the vertex at (0, 0), (1, 0), (1, 1) and (0, 1) of every face, ``(faces, 4)``."""
-        return self.patches.layout.corners
-
-    @property
-    def edges(self) -> np.ndarray:
-        """Number of the edge on the side v = 0, u = 1, v = 1 and u = 0 of every face, ``(faces, 4)``."""
-        return self.patches.layout.edges
-
-    @property
-    def forward(self) -> np.ndarray:
-        """Whether the edge runs as the side does, counter-clockwise, ``(faces, 4)``."""
-        return self.patches.layout.forward
-
-    @property
     def sharp(self) -> np.ndarray:
         """Edges along which the tangent plane jumps, ``(edges,)``."""
         return self.patches.layout.sharp
@@ -72,7 +57,7 @@ class Shell(Value):
     @property
     def closed(self) -> bool:
         """Whether every edge has two faces, which it has by construction."""
-        return bool((np.bincount(self.edges.ravel()) == 2).all())
+        return bool((np.bincount(self.patches.layout.edges.ravel()) == 2).all())
 
     def seam_angles(self) -> np.ndarray:
         """Largest angle between the tangent planes along every edge, in degrees, ``(edges,)``.

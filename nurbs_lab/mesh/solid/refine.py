@@ -12,7 +12,7 @@ from nurbs_lab.mesh.solid.features import refine, surfels, without_needles, with
 from nurbs_lab.mesh.solid.fit import Target, fit
 from nurbs_lab.mesh.solid.grids import even_grid, places
 from nurbs_lab.mesh.solid.layout import lay_out
-from nurbs_lab.mesh.solid.patches import Patches
+from nurbs_lab.mesh.solid.patches import Patches, basis_at
 from nurbs_lab.mesh.solid.shell_triangles import crossed
 
 IN_VAIN = 4  # attempts in a row that are not better than the best one, which ends the search; 1 if it fits
@@ -28,6 +28,7 @@ _LONGEST = 0.05  # edge of the divided mesh, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
 #: Along both sides of a patch that may be the best one, for distances: near corners patches can overshoot.
 _CLOSE = 0.5 - 0.5 * np.cos(np.pi * np.arange(33) / 32)
+_INSIDE = np.array([(i, j, 10 - i - j) for i in range(11) for j in range(11 - i)]) / 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,18 +153,44 @@ def measure(patches: Patches, target, inside, samples) -> Fitted:
     """
     values = patches.grid(np.arange(11) / 10)
     back = target.tree.distances(values.reshape(-1, 3))
-    face, uv = places(values, samples)
-    gaps, bad = patches.nearest(samples, face, uv), back.reshape(len(values), -1).max(axis=1)
-    np.maximum.at(bad, face, gaps)
+    bad = back.reshape(len(values), -1).max(axis=1)
+    gaps = _to_patches(patches, values, samples, bad)
     face_of_vertex = places(values, inside)[0]
     vertex_of_face = cKDTree(inside).query(values[:, 5, 5])[1]
     points, folds = values.reshape(-1, 3), patches.flipped()
     return Fitted(patches, samples, gaps, points, back, bad, folds, face_of_vertex, vertex_of_face)
 
 
+def _to_patches(patches, values, points, bad):
+    """Distances of points to patches on a grid of ``values``; ``bad``, the largest of every face, grows."""
+    face, uv = places(values, points)
+    gaps = patches.nearest(points, face, uv)
+    np.maximum.at(bad, face, gaps)
+    return gaps
+
+
 def _closely(fitted, target):
-    """The same, with distances from more places of the patches."""
-    points = fitted.patches.grid(_CLOSE).reshape(-1, 3)
-    back = target.tree.distances(points)
-    bad = np.maximum(fitted.bad, back.reshape(len(fitted.bad), -1).max(axis=1))
-    return replace(fitted, surface_points=points, to_mesh=back, bad=bad)
+    """The same, with more distances: of more places of the patches, still more around the farthest of each,
+    and of places in the triangles of the mesh in which the farthest samples lie.
+    """
+    patches, count = fitted.patches, len(fitted.bad)
+    points = patches.grid(_CLOSE).reshape(-1, 3)
+    back = target.tree.distances(points).reshape(count, -1)
+    farthest = np.array(np.divmod(back.argmax(axis=1), len(_CLOSE)))
+    ends = _CLOSE[(farthest - 1).clip(0)], _CLOSE[(farthest + 1).clip(None, len(_CLOSE) - 1)]
+    u, v = basis_at(np.linspace(*ends, 9, axis=-1))
+    around = np.einsum("fai,fbj,fijx->fabx", u, v, patches.nets, optimize=True).reshape(-1, 3)
+    back = np.hstack([back, target.tree.distances(around).reshape(count, -1)])
+    bad = np.maximum(fitted.bad, back.max(axis=1))
+    far = fitted.mesh_points[np.argsort(fitted.to_surface)[-count:]]
+    corners = target.vertices[target.triangles[np.unique(target.tree.nearest(far)[1])]]
+    inside = np.einsum("kc,fcx->fkx", _INSIDE, corners).reshape(-1, 3)
+    gaps = _to_patches(patches, patches.grid(np.arange(21) / 20), inside, bad)
+    return replace(
+        fitted,
+        mesh_points=np.concatenate([fitted.mesh_points, inside]),
+        to_surface=np.concatenate([fitted.to_surface, gaps]),
+        surface_points=np.hstack([points.reshape(count, -1, 3), around.reshape(count, -1, 3)]).reshape(-1, 3),
+        to_mesh=back.ravel(),
+        bad=bad,
+    )

@@ -59,8 +59,8 @@ def test_shells_are_closed_and_share_their_control_points(pair):
     mesh, made = pair
     for shell in made.shells:
         assert shell.closed
-        seen = {}
-        for surface, edges, forward in zip(shell.surfaces, shell.edges, shell.forward, strict=True):
+        seen, layout = {}, shell.patches.layout
+        for surface, edges, forward in zip(shell.surfaces, layout.edges, layout.forward, strict=True):
             net = surface.control_points
             rows = (net[:, 0], net[-1], net[::-1, -1], net[0, ::-1])
             for row, edge, along in zip(rows, edges, forward, strict=True):
@@ -73,10 +73,10 @@ def test_shells_are_closed_and_share_their_control_points(pair):
 def test_the_tolerance_is_kept_both_ways_by_an_independent_measure(pair):
     mesh, made = pair
     assert made.within_tolerance
-    half = np.geomspace(1e-3, 0.5, 12)  # near corners faces can overshoot
-    t = np.concatenate([[0.0], half, 1.0 - half])
+    half = np.geomspace(1e-3, 0.5, 12)  # near corners faces can overshoot; narrow bumps may be anywhere
+    t = np.concatenate([half, 1.0 - half, np.arange(65) / 64])
     points = np.concatenate([surface.grid(t, t).reshape(-1, 3) for surface in made.surfaces])
-    assert distances(mesh, points).max() <= min(made.deviation.max * 1.02 + 1e-9, made.tolerance)
+    assert distances(mesh, points).max() <= min(made.deviation.max * 1.01 + 1e-9, made.tolerance)
     on_mesh = trimesh.sample.sample_surface(mesh, 100, seed=1)[0]
     rebuilt = made.to_mesh(0.02 * made.tolerance)
     assert distances(rebuilt, on_mesh).max() <= made.deviation.max * 1.02 + 0.02 * made.tolerance
@@ -184,7 +184,7 @@ def test_bodies_that_overlap_in_the_mesh_may_do_so_in_the_solid():
 def test_sharp_edges_become_edges_of_faces():
     mesh, made = rebuilt("cylinder")
     (shell,) = made.shells
-    assert any(shell.sharp[edges].any() for edges in shell.edges)
+    assert shell.sharp.any()
     wide = reconstruct(mesh, tolerance=0.5, sharp_angle=100.0, faces="patches")
     assert not wide.shells[0].sharp.any()
 
