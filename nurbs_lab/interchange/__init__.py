@@ -231,5 +231,5 @@ def _format_of(path, modules):
     suffix = path.suffix.lower()
     if suffix not in modules:
         said = f"unknown suffix {suffix!r} of {path.name!r}; known: {', '.join(modules)}"
-        raise ValueError(f"path: {said}; name a program .nc")
+        raise ValueError(f"path: {said}; name a program .nc, and a table of points .txt")
     return path, importlib.import_module(f"nurbs_lab.interchange.{modules[suffix]}")

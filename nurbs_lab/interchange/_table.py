@@ -54,7 +54,7 @@ def read(path):
     commas or blanks. Words may stand in quotes, and other columns beside x, y and z.
     """
     text = re.sub(r'"([^",;\n]*)"', r"\1", as_utf8(path.read_bytes()).decode("utf-8-sig"))
-    lines = text.splitlines() or [""]
+    lines = text.replace("\u2212", "-").splitlines() or [""]
     for note in unended(text.encode()):
         warnings.warn(f"path: {path.name}: {note}", stacklevel=3)
     if re.search(r"^[^#\n]*[^\s#]#", text, re.MULTILINE):
@@ -63,6 +63,8 @@ def read(path):
     found = [(i, row) for i, row in enumerate(rows) if row] or [(0, "")]
     first, head = found[0]
     mark = ";" if ";" in head else "," if "," in head else None
+    while mark and all(row.endswith(mark) for _, row in found):  # an empty column
+        found = [(i, row[:-1].rstrip()) for i, row in found]
     if mark == ";" and any(re.search(r"\d,|,\d", row) for row in rows):
         if any(re.search(r"\d\.|\.\d", row) for row in rows):
             raise ValueError("its numbers have points and decimal commas; write all of them with points")

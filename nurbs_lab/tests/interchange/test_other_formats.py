@@ -75,6 +75,7 @@ def test_a_table_whose_last_line_has_no_end_is_warned_of(tmp_path):
         ("a.csv", "1 2 3\n"),
         ("a.csv", "x;y;z\n1,0;2;3\n"),  # of Excel in Europe
         ("a.csv", "1,0;2,0;3,0\n"),
+        ("a.csv", "1,2,3, ,\n"),  # of a sheet with empty columns
         ("a.csv", '"x","y","z"\n"1","2","3"\n'),
         ("a.csv", ",x_mm,y (\u00b5m),z [inches]\nP 1,1,2000,0.11811023622047244\n"),  # of pandas
         ("a.txt", "# x y z nx ny nz\n1 2 3 0 0 1\n"),
@@ -85,3 +86,10 @@ def test_a_table_of_points_with_a_header_that_names_its_columns_or_none(tmp_path
     for coding in ("utf-8", "utf-16"):
         (tmp_path / name).write_text(text, encoding=coding)
         np.testing.assert_allclose(nl.read(tmp_path / name), [(1, 2, 3)])
+
+
+def test_a_minus_of_a_typesetter_is_one_and_an_unknown_suffix_names_its_cure(tmp_path):
+    (tmp_path / "a.csv").write_text("x,y,z\n\u22121,2,3\n", encoding="utf-8")
+    np.testing.assert_array_equal(nl.read(tmp_path / "a.csv"), [(-1, 2, 3)])
+    with pytest.raises(ValueError, match=r"unknown suffix '\.xyz'.* a table of points \.txt"):
+        nl.read((tmp_path / "a.csv").rename(tmp_path / "a.xyz"))
