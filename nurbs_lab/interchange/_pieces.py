@@ -57,15 +57,18 @@ def chord_points(curve, tolerance):
     """
     breaks = find_breaks(curve.knots, curve.degree)
     dense = np.append((breaks[:-1, None] + np.diff(breaks)[:, None] * PLACES).ravel(), breaks[-1])
-    speed = lengths(curve.derivative(middle := (dense[1:] + dense[:-1]) / 2))
+    slopes = curve.derivative(middle := (dense[1:] + dense[:-1]) / 2)
+    speed = lengths(slopes)
     root = speed * np.sqrt(np.abs(curve.curvature(middle)) / (8.0 * MARGIN * tolerance))
     along = np.r_[0.0, np.cumsum(np.where(np.isfinite(root), root, 0.0) * np.diff(dense))]
     if not along[-1] < MOST_PIECES:
         raise ValueError(f"tolerance: it would take more than {MOST_PIECES} pieces; allow more")
     knots, times = np.unique(curve.knots, return_counts=True)
     corners = knots[(times >= curve.degree) & (dense[0] <= knots) & (knots <= dense[-1])]
+    back = np.flatnonzero((slopes[1:] * slopes[:-1]).sum(axis=1) < 0)  # it turns where the slope vanishes
+    turns = middle[back] + np.diff(middle)[back] * speed[back] / (speed[back] + speed[back + 1])
     u = np.linspace(0.0, along[-1], 1 + int(np.ceil(along[-1])))
-    u = np.union1d(np.interp(u, along, dense), corners)
+    u = np.unique(np.r_[np.interp(u, along, dense), corners, turns])
     while True:
         points, steps = curve(u), np.diff(u)
         inner = curve(u[:-1, None] + steps[:, None] * PROBES) - points[:-1, None]
@@ -141,8 +144,7 @@ def biarcs(rows, tolerance, least=0.0):
 
     def fits(rows):
         start, joint, end, first, last = _biarc(rows, least)
-        away = np.full((len(rows), len(PROBES)), np.inf)
-        points = evaluated(rows, PROBES)
+        points, both = evaluated(rows, PROBES), []
         for centre, one, two in ((first, start, joint), (last, joint, end)):
             radius = lengths(one - centre)
             with np.errstate(invalid="ignore"):  # the radius of a straight one is not finite
@@ -150,9 +152,12 @@ def biarcs(rows, tolerance, least=0.0):
             chord, step = (two - one)[:, None], points - one[:, None]
             flat = np.abs(chord[..., 0] * step[..., 1] - chord[..., 1] * step[..., 0])
             flat /= lengths(chord) + 1e-300
-            away = np.fmin(away, np.where(np.isfinite(radius)[:, None], off, flat))
-        t0, t1 = _tangents(rows)
-        forward = ((end - start) * t0).sum(-1), ((end - start) * t1).sum(-1), (t0 * t1).sum(-1)
+            both.append(np.where(np.isfinite(radius)[:, None], off, flat))
+        (t0, t1), chord = _tangents(rows), end - start
+        away = np.where(((points - joint[:, None]) * chord[:, None]).sum(-1) < 0, *both)
+        steps = np.diff(points, axis=1, prepend=start[:, None], append=end[:, None])
+        onward = (chord[:, None] * steps).sum(-1).min(axis=1)  # a piece that turns back leaves its arcs
+        forward = (chord * t0).sum(-1), (chord * t1).sum(-1), (t0 * t1).sum(-1), onward
         short = lengths(np.diff(project(rows), axis=1)).sum(axis=1) <= tolerance
         return (away.max(axis=1) <= MARGIN * tolerance) & (np.min(forward, axis=0) > 0) | short
 
@@ -173,7 +178,7 @@ def _biarc(rows, least):
         length = c / (b + np.sqrt(b * b + a * c))
         joint = (start + end + length[:, None] * (t0 - t1)) / 2
         first, last = _centre(start, t0, joint), _centre(end, t1, joint)
-        sharp = np.fmin(lengths(first - start), lengths(last - end)) <= least
+        sharp = (np.fmin(lengths(first - start), lengths(last - end)) <= least) | (b <= 0)
     first[sharp] = last[sharp] = np.nan
     joint[sharp] = (start + end)[sharp] / 2
     return start, joint, end, first, last

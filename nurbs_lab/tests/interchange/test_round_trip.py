@@ -22,6 +22,7 @@ from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Compound
+from scipy.spatial import cKDTree
 
 import nurbs_lab as nl
 from nurbs_lab.interchange._opencascade import edge_of
@@ -227,3 +228,31 @@ def test_a_circle_that_almost_closes_stays_whole(tmp_path, dialect, gap, setup):
         assert np.abs(away).max() <= (3e-3 if setup else 1e-6)
         again = nl.export(tmp_path / f"again-{name}", nl.read(file), dialect=dialect, setup=setup, **MOVES)
         assert len(nl.read(again).moves) <= len(nl.read(file).moves) + 2 * bool(setup)
+
+
+@pytest.mark.parametrize("dialect", ["g1", "arcs"])
+@pytest.mark.parametrize(
+    ("points", "weights"),
+    [
+        ([(0, 0), (20, 0), (-10, 0), (5, 0)], None),  # along a line, beyond its end and back
+        ([(0, 0), (20, 10), (-10, -5), (5, 2.5)], [1, 2, 0.5, 1]),
+        ([(0, 0), (-1, 0), (2, 0), (1, 0)], None),  # backward at both ends
+        ([(0, 0), (-1, 0), (20, 0), (30, 0)], None),  # backward for a moment
+        ([(0, 0), (-1e-3, 0), (2e-3, 0), (1e-3, 0)], None),  # shorter than the tolerance
+        ([(-4, 0), (6, 7), (-6, 7), (4, 0)], None),  # a cusp
+        ([(-7, 7), (-7, -1), (8, -3), (-15, 9)], None),
+    ],
+)
+def test_a_curve_that_turns_back_is_followed_to_its_end(tmp_path, dialect, points, weights):
+    """No point of it is farther than the tolerance from the points of the file, and the reverse."""
+    points = np.column_stack([points, np.zeros(4)])
+    one = nl.NurbsCurve(3, np.repeat([0, 1], 4), points, weights)
+    file = nl.export(tmp_path / "a.ngc", one, dialect=dialect, **ASKED)
+    t, w = np.linspace(0, 1, 40_001)[:, None], np.ones(4) if weights is None else np.array(weights)
+    basis = np.hstack([(1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t**2 * (1 - t), t**3]) * w
+    wanted = basis @ points / basis.sum(axis=1)[:, None]
+    moves = [move.curve for move in nl.read(file).moves if move.kind != "rapid"]
+    found = np.vstack([move(np.linspace(*move.domain, 2 + int(move.length() / 1e-3))) for move in moves])
+    for some, others in ((wanted, found), (found, wanted)):
+        gaps = cKDTree(others).query(some)[0]
+        assert gaps.max() <= ASKED["tolerance"] + np.linalg.norm(np.diff(others, axis=0), axis=1).max()
