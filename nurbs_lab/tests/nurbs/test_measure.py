@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.interpolate import BPoly
 
 import nurbs_lab as nl
 from nurbs_lab.nurbs import circle, cylinder, sphere, torus
@@ -81,3 +82,20 @@ def test_triangles_lie_within_the_tolerance_and_no_closer_than_needed(tolerance)
     inside = (shares @ points[triangles]).reshape(-1, 3)
     off = np.abs(np.hypot(np.hypot(*inside[:, :2].T) - 3, inside[:, 2]) - 1)
     assert tolerance / 8 < off.max() < tolerance
+
+
+@pytest.mark.parametrize("across", [1, 3])
+@pytest.mark.parametrize("heights", [(10, -10), (10, -10, 10, -10), (3, -7, 0, 7, -3), (9, 1, -1, -9)])
+def test_triangles_follow_an_s_through_the_middles(heights, across):
+    """Against Bernstein polynomials: the middle of an S lies on its chord, and so do those of waves."""
+    z = np.r_[0, heights, 0.0]
+    degree = len(z) - 1
+    net = np.zeros((degree + 1, across + 1, 3))
+    net[..., 0] = np.linspace(0, 30, degree + 1)[:, None]
+    net[..., 1] = np.linspace(0, 20, across + 1)
+    net[..., 2] = z[:, None]
+    knots = [np.repeat([0, 1], p + 1) for p in (degree, across)]
+    points, _ = nl.NurbsSurface((degree, across), knots, net).tessellate(0.05)
+    sides = points[points[:, 1] == 0]
+    exact = BPoly(z[:, None], [0, 30])(x := np.linspace(0, 30, 1001))
+    assert np.abs(np.interp(x, *sides[:, [0, 2]].T) - exact).max() <= 0.05
