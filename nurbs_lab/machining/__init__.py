@@ -48,7 +48,6 @@ FINE (rough), tolerances a diameter      120      -8, -59 ***    0, 0 ***; RIM (
 SKIN (rough), thicknesses of a skin      8        0, 0           a skin of 0.45 mm stays on a box, by 12 mm
 FINEST (rough), diameters                0.125    0, 0           a skin of 1.7 mm stays on a box, by 100 mm
 SLACK (rough), of the step down          0.05     -8, -6 *       +33, +6 ***; of the plate 0, 0
-STEEP (search), slope                    4        0, 0 *         0, 0 *
 PUSHED (search), radii                   2e-5     0, -1 +        0, -1 +
 RAISES (link), points of a link          289      0, 0 +; 0.9 x  0, 0 +; 1.05 x the time
 SINGLE (part), sizes, normals, feeds     1e-6     0, 0 +         0, 0 +; at 0 +3, +15, and one is refused
@@ -67,6 +66,12 @@ MOST_NODES, MOST_OF_TIPS (field)         5e7, 5e6 0, 0           0, 0; of 8 and 
 MOST_SAMPLES (surface), MOST_LEVELS      1e7, 2e3 0, 0           0, 0; more are refused
 MOST_CELLS (stock)                       4e6      0, 0           0, 0; cells of wide stocks are larger
 =======================================  =======  =============  =============
+
+Rules switched off one at a time (2026-11; 16 programs of 13 parts, judged by a field of heights, distances
+and a clock that are no part of this package): without links tangent to both passes 7 % of time, without cuts
+that plunge into little 3 to 6 %, with rapid moves at safe height only 2 % of finishing and 6 % of roughing,
+without waterlines along level faces 14 % of a plate and two warnings, without owners of edges 27 % of
+processor time, without tips spared by waterlines up to 30 % of the way of programs after others.
 
 Definitions: HALF (half the diagonal of a cell), NEEDLE (a cutter without width), ROBERTS (the sequence R2),
 MACHINE (a small machine), _LINE, _LINK, _BASIS, _STRAIGHT (splines of links; without the straight

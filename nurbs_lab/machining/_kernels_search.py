@@ -7,7 +7,6 @@ from nurbs_lab.common.kernels import ZERO, compiled, kernel
 from nurbs_lab.machining._kernels_contact import ROUNDING, inside, may_stop, over_triangle
 
 PUSHED = 2e-5  # fraction of the radius: how precisely a cutter is pushed against the part
-STEEP = 4.0  # heights farther from the level than by this slope are not told apart
 
 
 @kernel
@@ -85,13 +84,13 @@ def around(x, y, level, body, shape, found):
 
 
 @kernel
-def over_some(near, x, y, body, shape, best, most):
-    """Height of the tip at (x, y) over these triangles, not below ``best`` and not above ``most``."""
-    for f in near:
-        best = over_triangle(body, f, x, y, shape, best)
-        if best >= most:
-            return most
-    return best
+def stopped(near, x, y, z, body, shape):
+    """Whether one of these triangles stops a tip at (x, y, z); it comes first of them then."""
+    for k in range(len(near)):
+        if over_triangle(body, near[k], x, y, shape, z) > z:
+            near[0], near[k] = near[k], near[0]
+            return True
+    return False
 
 
 @compiled
@@ -121,34 +120,24 @@ def push(free, stuck, level, body, shape, out):
     """How far a cutter moves sideways at height ``level[i]``, from ``free[i]`` towards ``stuck[i]``.
 
     Returned is the fraction of the distance at which the part stops it, to ``PUSHED`` on the free side, by
-    the rule of false position (Illinois) on the height of the tip; NaN if nothing stops it or if it collides
-    at the start already.
+    bisection; NaN if nothing stops it or if it collides at the start already.
     """
     found, (a, r, c, w) = np.empty(len(body[0]), np.int64), shape
     for i in range(len(free)):
         x, y, z, out[i] = free[i, 0], free[i, 1], level[i], np.nan
         dx, dy = stuck[i, 0] - x, stuck[i, 1] - y
         size = np.sqrt(dx * dx + dy * dy)
-        fine, least, most = PUSHED * w / max(size, PUSHED * w), z - STEEP * size, z + STEEP * size
         wider = a + size / 2, r, c, w + size / 2
         near = found[: around(x + dx / 2, y + dy / 2, z, body, wider, found)]
-        low, way, side = 0.0, 1.0, 0
-        above = over_some(near, x + dx, y + dy, body, shape, z, most)
-        below = over_some(near, x, y, body, shape, least, most)
-        if below > z or above <= z:
+        if stopped(near, x, y, z, body, shape) or not stopped(near, x + dx, y + dy, z, body, shape):
             continue
-        while way - low > fine:
-            middle = low + (way - low) * (z - below) / (above - below)
-            middle = min(max(middle, low + 0.5 * fine), way - 0.5 * fine)
-            height = over_some(near, x + middle * dx, y + middle * dy, body, shape, least, most)
-            if height > z:
-                way, above = middle, height
-                below = z - (z - below) * (0.5 if side > 0 else 1.0)
-                side = 1
+        low, high = 0.0, 1.0
+        while (high - low) * size > PUSHED * w:
+            middle = 0.5 * (low + high)
+            if stopped(near, x + middle * dx, y + middle * dy, z, body, shape):
+                high = middle
             else:
-                low, below = middle, height
-                above = z + (above - z) * (0.5 if side < 0 else 1.0)
-                side = -1
+                low = middle
         out[i] = low
 
 

@@ -233,15 +233,11 @@ class Clearing:
         depths = np.arange(self.step_over, along[region].max() + self.step_over, self.step_over)
         depths[-1] = max(along[region].max() - 0.5 * field.step, 0.5 * field.step)
         hill = TipField(field.origin, field.step, along, 0.0)
-        sets, anchor = {}, np.zeros(2)
+        sets = {}
         for ring, layer in enumerate(slice_mesh(hill.surface(), depths)):
             for contour in layer.contours:
-                ring_points = contour.points
-                if contour.closed:  # it begins beside the one before
-                    ring_points = np.roll(ring_points, -int(lengths(ring_points - anchor).argmin()), axis=0)
-                inside = off[field.index(ring_points)] > 1.5  # steps: the rest is cut along walls
-                for points, closed in runs(ring_points, inside, contour.closed):
-                    anchor = points[0]
+                inside = off[field.index(contour.points)] > 1.5  # steps: the rest is cut along walls
+                for points, closed in runs(contour.points, inside, contour.closed):
                     part = parts[field.index(points[:1])][0]
                     sets.setdefault((part, ring), []).append((points, closed))
         return [self._fitted(sets[key], level) for key in sorted(sets)]
