@@ -29,6 +29,7 @@ smoothing.AROUND        8 tolerances 5 corners of noise stay (1: 46 do)     noth
 smoothing.STRAIGHT      0.1          nothing                                nothing; 1: flat arcs become lines
 _pieces.MARGIN          0.9          25 control points of a noisy wave,     (1: exceeded between the probes)
                                      not 21; a cubic 36 arcs, not 32
+_dialects.PLACES        18           18 of 1,481 arcs up to 1.9 tolerances  nothing
 HELIX_MM                1e-7         19 % more cubics of a helix            15 % fewer
 LEAST_RADIUS_MM         2.5e-3       LinuxCNC refuses arcs of 1 to 2 µm     nothing
 MOST_TURN               330°         3 blocks, not 1, for an arc of 320°    a circle open by 1 µm is 1 µm long

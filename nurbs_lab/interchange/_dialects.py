@@ -22,7 +22,7 @@ WEIGHT_DIGITS = KNOT_DIGITS = 12
 COOLANTS = {"off": (), "mist": ("M7",), "flood": ("M8",)}
 LEAST_RADIUS_MM = 2.5e-3  # of an arc: LinuxCNC refuses one of up to 1 to 2 µm
 MOST_TURN = 11 / 6 * np.pi  # radians of a block: of a longer one, the rounding of its ends moves the centre
-PLACES = 9  # of a Bezier piece, where it is compared with one arc
+PLACES = 18  # of a Bezier piece, where it is compared with one arc
 
 
 def number(value, digits):

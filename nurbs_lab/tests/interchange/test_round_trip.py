@@ -23,6 +23,7 @@ from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Compound
 from scipy.spatial import cKDTree
+from scipy.special import comb
 
 import nurbs_lab as nl
 from nurbs_lab.interchange._opencascade import edge_of
@@ -256,3 +257,23 @@ def test_a_curve_that_turns_back_is_followed_to_its_end(tmp_path, dialect, point
     for some, others in ((wanted, found), (found, wanted)):
         gaps = cKDTree(others).query(some)[0]
         assert gaps.max() <= ASKED["tolerance"] + np.linalg.norm(np.diff(others, axis=0), axis=1).max()
+
+
+def test_what_is_written_as_one_arc_is_within_the_tolerance_of_it(tmp_path):
+    """Polynomials of degree 7 that wave about an arc; the distance from a circle is a closed form."""
+    rng, t, arcs = np.random.default_rng(0), np.linspace(0, 1, 1000)[:, None], 0
+    basis = np.hstack([comb(7, i) * t**i * (1 - t) ** (7 - i) for i in range(8)])
+    for turn in rng.uniform(4, 6, 300):
+        angle = (turn * (t + rng.uniform(-0.3, 0.3) * t * (1 - t)))[:, 0]
+        around = 10 * np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+        net = np.linalg.lstsq(basis, around, rcond=None)[0]
+        net[:, :2] += rng.normal(size=(8, 2)) * 0.01 * rng.choice([0.3, 1, 3])
+        one = nl.NurbsCurve(7, np.repeat([0, 1], 8), net)
+        file = nl.export(tmp_path / "a.nc", one, dialect="fanuc", **ASKED)
+        moves = [move.curve for move in nl.read(file).moves if move.kind != "rapid"]
+        if len(moves) == 1 and moves[0].rational:
+            ring, arcs = moves[0](np.linspace(0, 1, 4)), arcs + 1
+            centre = np.linalg.solve(2 * np.diff(ring[:3, :2], axis=0), np.diff((ring[:3] ** 2).sum(axis=1)))
+            away = np.hypot(*(basis @ net)[:, :2].T - centre[:, None]) - np.hypot(*ring[0, :2] - centre)
+            assert np.abs(away).max() <= ASKED["tolerance"]
+    assert arcs > 30
