@@ -5,7 +5,7 @@ from trimesh.triangles import points_to_barycentric
 
 from nurbs_lab.mesh.distance import triangle_tree
 from nurbs_lab.mesh.solid import _kernels_feet as kernels
-from nurbs_lab.mesh.solid.net import cells_of, number_nodes, sides_of
+from nurbs_lab.mesh.solid.net import cells_of, number_nodes
 
 CELLS = 4  # of the even grid on a face where the fit begins
 _HALVES = np.array([[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], [[0.0, 0.0], [1.0, 1.0], [0.0, 1.0]]])  # of a cell
@@ -17,10 +17,7 @@ def even_grid(mesh, layout, chart):
     triangle, weights = np.empty(count, dtype=np.int64), np.empty((count, 3))
     triangle[net], weights[net] = chart.places(CELLS)
     kernels.trace_back(chart.log, len(mesh.triangles), triangle, weights)
-    points = np.einsum("nk,nkd->nd", weights, mesh.vertices[mesh.triangles[triangle]])
-    on_creases = np.stack(sides_of(net), axis=1).reshape(-1, CELLS + 1)[layout.sides[layout.sharp, 0]]
-    points[on_creases] = layout.curves[layout.sharp, :: (layout.curves.shape[1] - 1) // CELLS]
-    return points[net]
+    return np.einsum("nk,nkd->nd", weights, mesh.vertices[mesh.triangles[triangle]])[net]
 
 
 def even_places(cells):

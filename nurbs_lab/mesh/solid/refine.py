@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 from itertools import count
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from nurbs_lab.mesh.core import face_normals, vertex_normals
 from nurbs_lab.mesh.distance import triangle_samples
@@ -43,7 +42,6 @@ class Fitted:
     bad: np.ndarray  # of every face, the largest distance
     faulty: np.ndarray  # faces that fold, or pass through others
     face_of_vertex: np.ndarray  # the face nearest to every vertex of the mesh that is divided
-    vertex_of_face: np.ndarray  # the vertex nearest to the middle of every face, which may have no other
 
     @property
     def worst(self):
@@ -123,9 +121,7 @@ def _refined(mesh, target, samples, within, limits, meets):
             break
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.faulty, 4.0, 0.0))
         raised = np.where(ratio > 1.0, RAISE * ratio, 1.0)
-        raised_there = raised[fitted.face_of_vertex]
-        np.maximum.at(raised_there, fitted.vertex_of_face, raised)
-        weight = weight * raised_there
+        weight = weight * raised[fitted.face_of_vertex]
         if vain > 1:  # smaller faces where it misses did not help twice: smaller ones everywhere
             cost /= 2.0
     return best if kept or faces < enough else None
@@ -156,9 +152,8 @@ def measure(patches: Patches, target, inside, samples) -> Fitted:
     bad = back.reshape(len(values), -1).max(axis=1)
     gaps = _to_patches(patches, values, samples, bad)
     face_of_vertex = places(values, inside)[0]
-    vertex_of_face = cKDTree(inside).query(values[:, 5, 5])[1]
     points, folds = values.reshape(-1, 3), patches.flipped()
-    return Fitted(patches, samples, gaps, points, back, bad, folds, face_of_vertex, vertex_of_face)
+    return Fitted(patches, samples, gaps, points, back, bad, folds, face_of_vertex)
 
 
 def _to_patches(patches, values, points, bad):
@@ -170,27 +165,34 @@ def _to_patches(patches, values, points, bad):
 
 
 def _closely(fitted, target):
-    """The same, with more distances: of more places of the patches, still more around the farthest of each,
-    and of places in the triangles of the mesh in which the farthest samples lie.
+    """The same, with more distances: of more places of the patches, the farthest of still more around the
+    farthest of each, and those of places in the triangles of the mesh in which the farthest samples lie.
     """
     patches, count = fitted.patches, len(fitted.bad)
     points = patches.grid(_CLOSE).reshape(-1, 3)
-    back = target.tree.distances(points).reshape(count, -1)
-    farthest = np.array(np.divmod(back.argmax(axis=1), len(_CLOSE)))
+    back = target.tree.distances(points)
+    bad = np.maximum(fitted.bad, back.reshape(count, -1).max(axis=1))
+    farthest = np.array(np.divmod(back.reshape(count, -1).argmax(axis=1), len(_CLOSE)))
     ends = _CLOSE[(farthest - 1).clip(0)], _CLOSE[(farthest + 1).clip(None, len(_CLOSE) - 1)]
     u, v = basis_at(np.linspace(*ends, 9, axis=-1))
-    around = np.einsum("fai,fbj,fijx->fabx", u, v, patches.nets, optimize=True).reshape(-1, 3)
-    back = np.hstack([back, target.tree.distances(around).reshape(count, -1)])
-    bad = np.maximum(fitted.bad, back.max(axis=1))
+    around = np.einsum("fai,fbj,fijx->fabx", u, v, patches.nets, optimize=True).reshape(count, -1, 3)
+    around, more = _farthest(around, target.tree.distances(around.reshape(-1, 3)))
     far = fitted.mesh_points[np.argsort(fitted.to_surface)[-count:]]
     corners = target.vertices[target.triangles[np.unique(target.tree.nearest(far)[1])]]
-    inside = np.einsum("kc,fcx->fkx", _INSIDE, corners).reshape(-1, 3)
-    gaps = _to_patches(patches, patches.grid(np.arange(21) / 20), inside, bad)
+    inside = np.einsum("kc,fcx->fkx", _INSIDE, corners)
+    gaps = _to_patches(patches, patches.grid(np.arange(21) / 20), inside.reshape(-1, 3), bad)
+    inside, gaps = _farthest(inside, gaps)
     return replace(
         fitted,
         mesh_points=np.concatenate([fitted.mesh_points, inside]),
         to_surface=np.concatenate([fitted.to_surface, gaps]),
-        surface_points=np.hstack([points.reshape(count, -1, 3), around.reshape(count, -1, 3)]).reshape(-1, 3),
-        to_mesh=back.ravel(),
-        bad=bad,
+        surface_points=np.concatenate([points, around]),
+        to_mesh=np.concatenate([back, more]),
+        bad=np.maximum(bad, more),
     )
+
+
+def _farthest(points, gaps):
+    """Of each row of points the farthest, and its distance."""
+    gaps, rows = gaps.reshape(len(points), -1), np.arange(len(points))
+    return points[rows, gaps.argmax(axis=1)], gaps.max(axis=1)
