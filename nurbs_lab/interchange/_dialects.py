@@ -156,12 +156,12 @@ class Round(G1):
     def arc(self, end, centre, turn, columns, feed):
         """A whole turn, which ends where it starts, or a part; straight where the arc is too flat."""
         (end,) = self.rounded(end[None])
-        if whole := abs(turn) > MOST_TURN:
+        if abs(turn) > MOST_TURN:
             end[columns] = self.position[columns]
         p, q = self.position[columns], end[columns]
         radius, chord = (lengths(v) for v in (centre - p, q - p))
-        flat = not whole and (abs(turn) <= WHOLE or chord**2 < 8 * radius * 10.0**-self.digits)
-        if flat or radius > LARGEST:
+        flat = abs(turn) <= WHOLE or chord**2 < 8 * radius * 10.0**-self.digits
+        if (flat and abs(turn) < np.pi) or radius > LARGEST:
             yield from self.straight(end[None], feed)
         else:
             yield from self.turned(end, np.array(bisecting(p, q, centre)), turn, columns, feed)
