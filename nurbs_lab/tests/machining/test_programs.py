@@ -338,6 +338,17 @@ def test_no_more_than_asked_is_left_where_the_ball_rests_between_a_rim_and_the_f
     assert np.mean(left > scallop) < 0.01
 
 
+def test_no_pass_is_wasted_on_a_hole_deeper_than_the_ball_is_wide():
+    """Where nothing at rest comes near its floor, and nothing is said of it either."""
+    profile = [(0, 0), (14, 0), (14, 20), (2.5, 20), (2.5, 5), (0, 5)]
+    part = trimesh.creation.revolve(profile, sections=64)
+    program = nl.finish(part, replace(CUTTERS["ball"], length=30.0), scallop=0.2, tolerance=0.04)
+    assert program.warnings == ()
+    tips = np.concatenate([curve(np.linspace(*curve.domain, 400)) for curve in program.curves])
+    inside = np.hypot(*tips[:, :2].T) < 2.5
+    assert tips[inside, 2].min() > 18.5  # the ball sinks 1.34 mm
+
+
 def test_a_floor_is_reached_where_the_disc_covers_it():
     """A slot of 9 mm and a flat cutter of 6: it reaches all of the floor and both walls."""
     mesh = slotted(9.0, 0.0)
