@@ -97,7 +97,8 @@ def test_exercises_are_folded_run_and_asserted(notebook):
     assert 3 <= len(asked) <= 5
     for n in asked:
         assert source(cells[n]).count("<details><summary>Solution</summary>") == 1
-        assert "solution" in cells[n + 1]["metadata"]["tags"]
+        assert {"solution", "hide-cell"} <= set(cells[n + 1]["metadata"]["tags"])
+        assert cells[n + 1]["metadata"]["jupyter"] == {"outputs_hidden": True, "source_hidden": True}
         assert "assert" in source(cells[n + 1])
 
 
