@@ -33,7 +33,6 @@ _BESIDE (scan), of a span               1e-2     0, +416, 0; 1.0-1.2 x   0, +139
 _FIRST_CELLS (scan), of a span          8        0, 0, -437; 1.0-1.1 x   -97, -139, +437; 1.2 x
 _SHORTEST_CELL (scurve)                 6e-5     0, +139, 0; 1.0 x       0, 0, 0; 1.0 x
 _FIRST (program), periods               500      0, 0, +50,655; 1.1 x    0, 0, -1,310; 1.0 x
-_PLACES (override), of a reversal       48       0, 0, 0; 0.95 x         0, 0, 0; 1.05 x
 _GROWTH (scurve), 10 to 100 corners     0.03     -600 to -430; 1.2 x     +370 to +600; 0.8 x
 _STOP (corners), 24 with jerks of axes  0.05     -2,740 to +710; 1.1 x -1,040 to +10,900; 0.8 x
 _WORTH (corners), of 60 polylines       0.02     -540; 1.0 x             +1,870; 1.0 x
@@ -85,14 +84,20 @@ _NEARER (_verify), rounds               4        1: 3 of 10 splines 5e-5 to 5e-4
 _ROUNDING (_verify), of the length      1e-13    0: a near-cusp of radius 6e-12 mm is refused
 CUSP (prepared_curve), of mean C'       1e-10    0: 4 of 30 near-cusps are planned, not followed
 EQUAL_WITHIN (prepared_curve)           1e-6     0: 6 of 60 plans are not those of their curve
-_EQUAL (override), of a speed           1e-9     1e-6: speeds of overrides jump by as much
+EQUAL (override), of a speed            1e-9     1e-6: speeds of overrides jump by as much
+_LEVEL (override), of an acceleration   1e-7     1e-4: accelerations of overrides jump by as much
+_HALVINGS (override)                    40       20: commands are met late, in more than 5 x the time
+_TRIALS (override), halvings            4        16: 2 to 3 x the time, no limit is used more or less
+_FINER (override), steps a period       4        1, 2, 8: up to 1.16, 1.015, 1.013 of a jerk of axes
+_ROWS (override), stored at once        4096     2048: 0
 _EXTRA (corrected), trials              2        0: first steps err by 3e-4 for 1e-7
 LARGEST (override), MOST_SAMPLES (feed) 2, 5e6   what commands and paths may ask for
 ======================================  =======  =============================================
 
 Definitions: _NODES, _WEIGHTS (quadrature), BASHFORTH, MOULTON, _POINTS, _SLOPES (formulas), _INSIDE (places
 in a cell), STEPPERS, _STEPPERS, _ROWS, TAYLOR, RUNGE_KUTTA, SLOPES, EXACT, MENDED, NEWER, PLUS, MINUS
-(steppers), NAMES, VECTOR, BY_SPEED, _LOWERED, KEPT, LIMITS (names), ROWS (of arrays), _STORED (of files).
+(steppers), NAMES, VECTOR, BY_SPEED, _LOWERED, KEPT, LIMITS (names), ROWS (of arrays), _NONE, _BEYOND (of
+landings), _STORED (of files).
 
 Rules that were switched off in turn (2026-11), on 67 or 68 parts: random splines of degrees 1 to 5, kinks
 from 1e-9 to 1 rad, rasters, a rounded rectangle, a smoothed part, programs, the paper's curve and the

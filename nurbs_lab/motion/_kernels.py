@@ -139,18 +139,18 @@ def times_at(times, terms, lengths, out):
 
 
 @kernel
-def at_length(feed, length, hint):
-    """Speed and acceleration where a length has been travelled, and the segment that holds it."""
+def plan_at(feed, length, hint):
+    """Speed, acceleration, jerk and time where a length has been travelled, and the segment that holds it."""
     times, terms = feed
     while hint < terms.shape[0] - 1 and length >= terms[hint + 1, 0]:
         hint += 1
     while hint > 0 and length < terms[hint, 0]:
         hint -= 1
-    tau, last = 0.0, hint == terms.shape[0] - 1
-    if not last:
+    tau = 0.0
+    if hint < terms.shape[0] - 1:
         tau = _time_within(times, terms, hint, length - terms[hint, 0])
-    one, two, three = terms[hint, 1], terms[hint, 2], terms[hint, 3]
-    return one + tau * (2.0 * two + tau * 3.0 * three), 2.0 * two + 6.0 * tau * three, hint
+    one, two, three = terms[hint, 1], 2.0 * terms[hint, 2], 6.0 * terms[hint, 3]
+    return one + tau * (two + tau * 0.5 * three), two + tau * three, three, times[hint] + tau, hint
 
 
 @kernel

@@ -1,43 +1,46 @@
-"""Feed override, hold and abort: the tool goes to the commanded part of the plan's speed within A and J.
+"""Feed override, hold and abort: the tool goes to the commanded part of the plan's speed within all limits.
 
 The tool stays on the path. A command o asks for the speed o v(s), where v(s) is the plan's speed at the
 length s: a curve in the plane of length and speed, which the tool follows exactly once it is on it, because
 the plan at o times its rate takes o² of its acceleration and o³ of its jerk.
 
-To get there from a speed and an acceleration of its own, the tool raises the acceleration towards the goal by
-the jerk J of the plan, up to its limit A, and then lowers it by J until both speed and acceleration are those
-of the goal: an S-curve that touches the curve o v(s). It takes the longest first part from which the second
-still stays on its own side of the curve. That is the least time, and since the speed never crosses o v(s),
-the plan's own limits hold wherever the tool rejoins it. Where it is so fast towards the goal that it passes
-it in any case, it does so as slowly as J allows and comes back from the other side. A hold is the goal o = 0.
+On the way to it every limit of the plan holds too, for the vector, the axes and at corners: a step takes the
+largest jerk or, without a limit of jerk, the largest acceleration that they all allow at its two ends, but
+only if the tool can still *land* after it, which means to stop changing its rate within the limits, before it
+has passed the goal. From there the plan at that constant rate keeps every limit, so that the tool is never
+caught between two of them, whatever is commanded meanwhile. Where no step is allowed, as where the plan takes
+all of a limit, it follows the plan at the rate it has until there is one. A hold is the goal o = 0.
+
+On 90 curves with corners, sharp turns, axes and jerks, 540 motions of up to 30 commands took at most 1.0023
+times an acceleration, all of the jerk along the path and 1.021 times that of an axis, by differences of
+positions. Stops took 1.01 times (median) and up to 2.4 times as long as on a straight line, where nothing but
+the acceleration and the jerk of the plan limits them.
 
 For an override of 0 to 200 % of a programmed feed, plan with twice that feed and halve the commands: 0.5 is
-then the programmed feed and 1 twice it, or what the limits leave of it. Every limit holds while a command is
-followed; on the way to it, where the path turns, only acceleration and jerk along the path are bounded.
-A hold resumes with the next command above 0. An abort, or a stop after a fault, is a hold that no command
-follows: the motion ends where the tool comes to rest.
-
-Acceleration and jerk are those along the path. Without a limit of jerk the acceleration steps; with a jerk of
-axes, J is the least of them or, if that is more, the largest of the plan. ``hardware.feed_override`` follows
-commands by a rule of its own, in integers.
+then the programmed feed and 1 twice it, or what the limits leave of it. A hold resumes with the next command
+above 0. An abort, or a stop after a fault, is a hold that no command follows: the motion ends where the tool
+comes to rest. Of a feed without its curve only the limits along the path are known.
+``hardware.feed_override`` follows commands by a rule of its own, in integers.
 """
 
 from dataclasses import replace
-from math import sqrt
 
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats, as_kind
-from nurbs_lab.common.kernels import ZERO, kernel
-from nurbs_lab.motion._kernels import at_length
+from nurbs_lab.motion._kernels import plan_at
+from nurbs_lab.motion._override_kernels import EQUAL, approach
 from nurbs_lab.motion.feed import MOST_SAMPLES, FeedProfile, with_segments
+from nurbs_lab.motion.prepared_curve import prepare
+from nurbs_lab.motion.scan import scan
+from nurbs_lab.nurbs import NurbsCurve
 
 #: Largest command; above 1 it acts as 1, because the plan is as fast as its limits allow.
 LARGEST = 2.0
-#: Speeds that differ by this part of the plan's highest are equal.
-_EQUAL = 1e-9
-#: Places at which the room to the goal is looked at while the acceleration turns round.
-_PLACES = 48
+#: Steps a period.
+_FINER = 4
+#: Steps that are found together at most.
+_ROWS = 4096
 
 
 def apply_override(feed, override):
@@ -116,123 +119,57 @@ def jerk_of(feed):
 
 def _parts(feed, goals, stops):
     """Starts, terms and limits of segments under commands up to their ends; at last the end of the motion."""
-    table, period, jerk = feed.table, feed.period_s, jerk_of(feed)
-    most = np.inf if feed.limits is None else feed.limits.acceleration
-    limits, equal = (most, jerk, _EQUAL * feed.peak), 2e-6 * jerk * period
-    time, state = 0.0, (0.0, float(feed.speed(0.0)), float(feed.acceleration(0.0)))
+    task = None if feed.limits is None else _task(feed)
+    step, time = feed.period_s / _FINER, 0.0
+    motion = 0.0, float(feed.speed(0.0)), float(feed.acceleration(0.0))
     for goal, stop in zip(goals, stops, strict=True):
-        sign, turn, met = 0, 0.0, time >= stop
-        while time < stop and not met:
-            v, a, _ = at_length(table, state[0], 0)
-            off, turning = state[1] - goal * v, state[2] - goal * goal * a
-            met = most == np.inf or (abs(off) <= limits[2] and abs(turning) <= equal)
-            if met:
-                break
-            sign = -sign if turn else (1 if off < 0.0 else -1)
-            first, turn, met = _approach(table, goal, sign, state, limits, period, stop - time)
-            if jerk == np.inf:
-                state = *state[:2], sign * most
-            ramp = min(max((most - sign * state[2]) / jerk, 0.0), first)
-            for h, j in ((ramp, sign * jerk), (first - ramp, 0.0), (turn, -sign * jerk)):
-                h = min(h, stop - time)
-                if time + h > time:
-                    yield [time], [[state[0], state[1], 0.5 * state[2], j / 6.0]], ["override"]
-                    time, state = time + h, _after(state, j, h)
-        if time >= stop:
-            continue
-        begin = feed.time_at(state[0])  # along the plan at a constant rate, or at rest
-        end = min(begin + goal * (stop - time), feed.duration) if goal else begin
-        if end > begin:
-            part = feed.portion(begin, end)
-            names = part.limited_by if goal == 1.0 else ["override"] * len(part.terms)
-            terms = part.terms * goal ** np.arange(4.0) + [state[0], 0.0, 0.0, 0.0]
-            yield time + part.times[:-1] / goal, terms, names
-        if end == feed.duration or stop == np.inf:
-            time += (end - begin) / goal if goal else 0.0
-            break
-        if not goal:
-            yield [time], [[state[0], 0.0, 0.0, 0.0]], ["override"]
-        s = state[0] if not goal else feed.displacement(end)
-        v, a, _ = at_length(table, s, 0)
-        time, state = stop, (float(s), goal * v, goal * goal * a)
-    yield [time], np.empty((0, 4)), []
+        while time < stop - 1e-3 * step:
+            rate, rows = goal, np.empty((int(min(np.rint((stop - time) / step), _ROWS)), 4))
+            if task is not None and feed.speed(feed.time_at(motion[0])) > EQUAL * feed.peak:
+                count, last, motion, rate = approach(task, motion, goal, rows)
+                s, v, a, control = rows[:count].T
+                a, jerk = (a, control) if feed.limits.soft else (control, 0.0 * control)
+                terms = np.column_stack([s, v, 0.5 * a, jerk / 6.0])
+                yield time + step * np.arange(count), terms, ["override"] * count
+                time += step * (count - 1) + last if count else 0.0
+                rate = goal if abs(rate - goal) <= 2.0 * EQUAL else rate
+            end = stop if rate == goal else min(stop, step * (np.floor(time / step + 1e-6) + 1.0))
+            if np.isnan(rate) or end <= time:
+                continue
+            begin = feed.time_at(motion[0])  # along the plan at a constant rate, or at rest
+            finish = min(begin + rate * (end - time), feed.duration) if rate else begin
+            if finish > begin:
+                part = feed.portion(begin, finish)
+                names = part.limited_by if rate == 1.0 else ["override"] * len(part.terms)
+                terms = part.terms * rate ** np.arange(4.0) + [motion[0], 0.0, 0.0, 0.0]
+                yield time + part.times[:-1] / rate, terms, names
+            if finish == feed.duration or end == np.inf:
+                yield [time + ((finish - begin) / rate if rate else 0.0)], np.empty((0, 4)), []
+                return
+            if not rate:
+                yield [time], [[motion[0], 0.0, 0.0, 0.0]], ["override"]
+            s = float(feed.displacement(finish)) if rate else motion[0]
+            v, a, *_ = plan_at(feed.table, s, 0)
+            time, motion = end, (s, rate * v, rate * rate * a)
 
 
-@kernel
-def _after(state, jerk, h):
-    """Length, speed and acceleration after a time of constant jerk."""
-    s, v, a = state
-    return s + h * (v + h * (0.5 * a + h * jerk / 6.0)), v + h * (a + 0.5 * h * jerk), a + h * jerk
-
-
-@kernel
-def _room(feed, goal, sign, state, hint):
-    """How far the speed is on its side of the goal, by how much that grows, and the segment of the plan."""
-    s, v, a = state
-    planned, slope, hint = at_length(feed, s, hint)
-    growth = goal * slope * v / planned if planned > 0.0 else 0.0
-    return sign * (goal * planned - v), sign * (growth - a), hint
-
-
-@kernel
-def _turned(feed, goal, sign, state, limits, first):
-    """The least room while the acceleration turns round after the time ``first``, and when it is least."""
-    most, jerk, _ = limits
-    if jerk == np.inf:
-        return _room(feed, goal, sign, _after((state[0], state[1], sign * most), 0.0, first), ZERO)[0], 0.0
-    ramp = min(max((most - sign * state[2]) / jerk, 0.0), first)
-    state = _after(_after(state, sign * jerk, ramp), 0.0, first - ramp)
-    end = max(sign * state[2] + most, 0.0) / jerk
-    if sign > 0.0:  # or until it comes to rest
-        v, a = max(state[1], 0.0), state[2]
-        end = min(end, (a + sqrt(a * a + 2.0 * jerk * v)) / jerk)
-    least, at, hint = np.inf, 0.0, 0
-    for k in range(1, _PLACES + 1):
-        there = _after(state, -sign * jerk, end * k / _PLACES)
-        room, _, hint = _room(feed, goal, sign, there, hint)
-        if room < least:
-            least, at = room, end * k / _PLACES
-    low, high = at - end / _PLACES, min(at + end / _PLACES, end)
-    if low <= 0.0 and _room(feed, goal, sign, state, hint)[1] > 0.0:  # it goes away from the goal
-        return least, 0.0
-    for _ in range(60):
-        at = 0.5 * (low + high)
-        room, growth, hint = _room(feed, goal, sign, _after(state, -sign * jerk, at), hint)
-        if growth > 0.0:
-            high = at
-        else:
-            low = at
-    return min(room, least), at
-
-
-@kernel
-def _approach(feed, goal, sign, state, limits, period, left):
-    """Times to raise and hold the acceleration and to turn it round, and whether it ends on the goal.
-
-    After the time ``left`` the next command comes.
-    """
-    least, at = _turned(feed, goal, sign, state, limits, 0.0)
-    if abs(least) <= limits[2] and at > 0.0:
-        return 0.0, at, True
-    if least < 0.0:  # it passes the goal in any case: up to there
-        low, high = 0.0, at
-        for _ in range(60):
-            at = 0.5 * (low + high)
-            if _room(feed, goal, sign, _after(state, -sign * limits[1], at), 0)[0] > 0.0:
-                low = at
-            else:
-                high = at
-        return 0.0, high, False
-    low = high = 0.0
-    while least > 0.0:
-        if high >= left:
-            return left, 0.0, False
-        low, high = high, min(high + 4.0 * period, left)
-        least, _ = _turned(feed, goal, sign, state, limits, high)
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if _turned(feed, goal, sign, state, limits, middle)[0] > 0.0:
-            low = middle
-        else:
-            high = middle
-    return low, _turned(feed, goal, sign, state, limits, low)[1], True
+def _task(feed):
+    """What the kernels need of a plan with limits: see `_override_kernels`."""
+    limits, step = feed.limits, feed.period_s / _FINER
+    if feed.curve is None:  # what is known is the motion along the path
+        limits = replace(limits, tangential_only=True, axis_acceleration=None, axis_jerk=None)
+    track = prepare(feed.curve or NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (1, 0)]))
+    count, dim = int(np.ceil(feed.duration / step)) + 2, track.curve.dim
+    limits, free, corners = limits.in_dimensions(dim), np.full(dim, np.inf), np.zeros(count)
+    zones = scan(track, limits).zones
+    around = np.column_stack([feed.time_at(zones[:, :2]) / step + [0.0, 2.0], 1.0 / zones[:, 2]])
+    for first, last, part in around:
+        near = slice(int(first), int(last))
+        corners[near] = np.maximum(corners[near], part)
+    nodes = 1.0 / step, np.zeros(count, dtype=bool), np.zeros((count, 3, dim)), corners
+    axes = (free if one is None else np.array(one) for one in (limits.axis_acceleration, limits.axis_jerk))
+    vector = np.inf if limits.tangential_only else limits.acceleration
+    jerk = jerk_of(feed) if feed.curve is None or limits.jerk is not None else np.inf
+    rows = (limits.acceleration, vector, next(axes)), (jerk, np.inf, next(axes))
+    hints = np.zeros(3, dtype=np.int64)
+    return feed.table, (track.spans, track.panels), nodes, hints, rows, step, feed.limits.soft

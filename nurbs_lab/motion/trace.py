@@ -60,10 +60,7 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     limit of a plan, 'history-arc' and 'adams-arc' too but on sharp curves, where accelerations are exceeded
     by up to 1 % and the jerk by much, that of axes 2.9 times where C' vanishes at an end; these three end on
     the plan's schedule. 'chord-corrected' makes every chord as long as commanded, so it runs ahead by what
-    the arcs are longer, and exceeds accelerations at corners. An override keeps acceleration and jerk along
-    the path, but neither those of axes nor the acceleration of the vector while it changes the speed. In 72
-    overrides and holds on splines and arcs that was at most 1.26 times its limit, an axis took up to 1.8
-    times its acceleration and 6.7 times its jerk.
+    the arcs are longer, and exceeds accelerations at corners. Overrides keep all limits of a plan.
     ``path.feed.certificate().uses`` tells by how much.
 
     Most steppers sample ``|C'|`` and suppose that it changes little within a step. Where it changes much,

@@ -17,10 +17,9 @@ BUTTERFLY = nl.motion.benchmark_curves()["butterfly"].curve
 
 
 def planned(jerk):
-    """A plan with its distances and limits in integers, and the unit of 1 mm."""
-    plan = nl.plan_feed(
-        BUTTERFLY, speed=SPEED, acceleration=ACCELERATION, jerk=jerk, chord_error=1e-4, period_s=PERIOD
-    )
+    """A plan with its distances and limits in integers, which are those along the path; the unit of 1 mm."""
+    given = {"speed": SPEED, "acceleration": ACCELERATION, "jerk": jerk, "chord_error": 1e-4}
+    plan = nl.plan_feed(BUTTERFLY, **given, period_s=PERIOD, tangential_only=True)
     unit = 2.0 ** (WORD - 2 + Format.ramp_guard - int(np.frexp(1.01 * SPEED * PERIOD)[1]))
     ends = plan.displacement(PERIOD * np.arange(np.ceil(plan.duration / PERIOD) + 1))
     moves = [round(x * unit) for x in np.diff(ends)]
