@@ -39,7 +39,7 @@ class Fitted:
     to_surface: np.ndarray
     surface_points: np.ndarray
     to_mesh: np.ndarray
-    bad: np.ndarray  # of every face, the largest distance
+    bad: np.ndarray  # of every face, the largest distance but for those of the second look
     faulty: np.ndarray  # faces that fold, or pass through others
     face_of_vertex: np.ndarray  # the face nearest to every vertex of the mesh that is divided
 
@@ -119,7 +119,8 @@ def _refined(mesh, target, samples, within, limits, meets):
         kept = _score(best, within) <= (0, 1.0)
         if _score(best, within) == (0, SAFETY) or vain == (1 if kept else IN_VAIN):
             break
-        ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.faulty, 4.0, 0.0))
+        aim = SAFETY * min(within, fitted.bad.max())  # only the second look may miss
+        ratio = np.maximum(fitted.bad / aim, np.where(fitted.faulty, 4.0, 0.0))
         raised = np.where(ratio > 1.0, RAISE * ratio, 1.0)
         weight = weight * raised[fitted.face_of_vertex]
         if vain > 1:  # smaller faces where it misses did not help twice: smaller ones everywhere
@@ -167,6 +168,7 @@ def _to_patches(patches, values, points, bad):
 def _closely(fitted, target):
     """The same, with more distances: of more places of the patches, the farthest of still more around the
     farthest of each, and those of places in the triangles of the mesh in which the farthest samples lie.
+    These last two, the second look, decide, but do not enter ``bad``: layouts would follow single places.
     """
     patches, count = fitted.patches, len(fitted.bad)
     points = patches.grid(_CLOSE).reshape(-1, 3)
@@ -180,7 +182,7 @@ def _closely(fitted, target):
     far = fitted.mesh_points[np.argsort(fitted.to_surface)[-count:]]
     corners = target.vertices[target.triangles[np.unique(target.tree.nearest(far)[1])]]
     inside = np.einsum("kc,fcx->fkx", _INSIDE, corners)
-    gaps = _to_patches(patches, patches.grid(np.arange(21) / 20), inside.reshape(-1, 3), bad)
+    gaps = _to_patches(patches, patches.grid(np.arange(21) / 20), inside.reshape(-1, 3), bad.copy())
     inside, gaps = _farthest(inside, gaps)
     return replace(
         fitted,
@@ -188,7 +190,7 @@ def _closely(fitted, target):
         to_surface=np.concatenate([fitted.to_surface, gaps]),
         surface_points=np.concatenate([points, around]),
         to_mesh=np.concatenate([back, more]),
-        bad=np.maximum(bad, more),
+        bad=bad,
     )
 
 
