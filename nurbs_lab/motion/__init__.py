@@ -85,11 +85,9 @@ _ROUNDING (_verify), of the length      1e-13    0: a near-cusp of radius 6e-12 
 CUSP (prepared_curve), of mean C'       1e-10    0: 4 of 30 near-cusps are planned, not followed
 EQUAL_WITHIN (prepared_curve)           1e-6     0: 6 of 60 plans are not those of their curve
 EQUAL (override), of a speed            1e-9     1e-6: speeds of overrides jump by as much
-_LEVEL (override), of an acceleration   1e-7     1e-4: accelerations of overrides jump by as much
 _HALVINGS (override)                    40       20: commands are met late, in more than 5 x the time
 _TRIALS (override), halvings            4        16: 2 to 3 x the time, no limit is used more or less
 _FINER (override), steps a period       4        1, 2, 8: up to 1.16, 1.015, 1.013 of a jerk of axes
-_ROWS (override), stored at once        4096     2048: 0
 _EXTRA (corrected), trials              2        0: first steps err by 3e-4 for 1e-7
 LARGEST (override), MOST_SAMPLES (feed) 2, 5e6   what commands and paths may ask for
 ======================================  =======  =============================================

@@ -19,8 +19,8 @@ from nurbs_lab.common.kernels import ZERO, compiled, kernel
 from nurbs_lab.motion._kernels import length_at, path_derivatives, plan_at
 from nurbs_lab.nurbs.span_kernels import find_span, parameter_at
 
-#: Rates of the plan that differ by no more are equal, and accelerations, of their limit.
-EQUAL, _LEVEL = 1e-9, 1e-7
+#: Rates of the plan that differ by no more are equal, and accelerations that do by no more of their limit.
+EQUAL = 1e-9
 #: Halvings towards a time or a rate, and towards a limit.
 _HALVINGS, _TRIALS = 40, 4
 #: Landings where a limit is in the way, and beyond the speed of the plan.
@@ -132,7 +132,7 @@ def _landing(task, spot):
     where it would turn round.
     """
     drift, rate = _drift(spot)
-    if not task[6] or abs(drift) <= _LEVEL * task[4][0][0]:
+    if not task[6] or abs(drift) <= EQUAL * task[4][0][0]:
         return rate, 0, 0.0
     steps = 0
     while True:
@@ -183,7 +183,7 @@ def _mixed_step(task, spot, sign, goal, landing, out):
     (drift, rate), least, most = _drift(spot), _extreme(task, spot, -1.0), _extreme(task, spot, 1.0)
     extreme = most if sign > 0.0 else least
     safe = min(max(spot[5] * rate**3 if task[6] else spot[4] * rate**2, least), most)
-    if task[6] and abs(drift) > _LEVEL * task[4][0][0]:
+    if task[6] and abs(drift) > EQUAL * task[4][0][0]:
         safe = least if drift > 0.0 else most
     low, high, lower, upper, end, best = 0.0, 1.0, landing[0], np.nan, spot, _NONE
     for k in range(0 if np.isnan(extreme) else _HALVINGS):

@@ -39,8 +39,6 @@ from nurbs_lab.nurbs import NurbsCurve
 LARGEST = 2.0
 #: Steps a period.
 _FINER = 4
-#: Steps that are found together at most.
-_ROWS = 4096
 
 
 def apply_override(feed, override):
@@ -124,8 +122,9 @@ def _parts(feed, goals, stops):
     motion = 0.0, float(feed.speed(0.0)), float(feed.acceleration(0.0))
     for goal, stop in zip(goals, stops, strict=True):
         while time < stop - 1e-3 * step:
-            rate, rows = goal, np.empty((int(min(np.rint((stop - time) / step), _ROWS)), 4))
+            rate = goal
             if task is not None and feed.speed(feed.time_at(motion[0])) > EQUAL * feed.peak:
+                rows = np.empty((int(min(np.rint((stop - time) / step), len(task[2][1]))), 4))
                 count, last, motion, rate = approach(task, motion, goal, rows)
                 s, v, a, control = rows[:count].T
                 a, jerk = (a, control) if feed.limits.soft else (control, 0.0 * control)
