@@ -151,18 +151,17 @@ def measure(patches: Patches, target, inside, samples) -> Fitted:
     values = patches.grid(np.arange(11) / 10)
     back = target.tree.distances(values.reshape(-1, 3))
     bad = back.reshape(len(values), -1).max(axis=1)
-    gaps = _to_patches(patches, values, samples, bad)
+    face, gaps = _to_patches(patches, values, samples)
+    np.maximum.at(bad, face, gaps)
     face_of_vertex = places(values, inside)[0]
     points, folds = values.reshape(-1, 3), patches.flipped()
     return Fitted(patches, samples, gaps, points, back, bad, folds, face_of_vertex)
 
 
-def _to_patches(patches, values, points, bad):
-    """Distances of points to patches on a grid of ``values``; ``bad``, the largest of every face, grows."""
+def _to_patches(patches, values, points):
+    """The patches nearest to points, found from a grid of ``values``, and the distances."""
     face, uv = places(values, points)
-    gaps = patches.nearest(points, face, uv)
-    np.maximum.at(bad, face, gaps)
-    return gaps
+    return face, patches.nearest(points, face, uv)
 
 
 def _closely(fitted, target):
@@ -182,7 +181,7 @@ def _closely(fitted, target):
     far = fitted.mesh_points[np.argsort(fitted.to_surface)[-count:]]
     corners = target.vertices[target.triangles[np.unique(target.tree.nearest(far)[1])]]
     inside = np.einsum("kc,fcx->fkx", _INSIDE, corners)
-    gaps = _to_patches(patches, patches.grid(np.arange(21) / 20), inside.reshape(-1, 3), bad.copy())
+    _, gaps = _to_patches(patches, patches.grid(np.arange(21) / 20), inside.reshape(-1, 3))
     inside, gaps = _farthest(inside, gaps)
     return replace(
         fitted,
