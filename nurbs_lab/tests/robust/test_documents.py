@@ -31,11 +31,15 @@ def test_examples_in_docstrings(module):
     assert result.failed == 0
 
 
-def test_the_code_of_the_front_page_runs(capsys):
+def test_the_code_of_the_front_page_runs(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     (block,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
     exec(block, {})
-    length, duration, fluctuation = map(float, capsys.readouterr().out.split())
-    assert 60 < length < 200
+    solid, numbers = capsys.readouterr().out.splitlines()
+    length, duration, fluctuation = map(float, numbers.split())
+    assert "1 solid" in solid
+    assert len(nl.read(tmp_path / "spleen.step")) > 1
+    assert 60 < length < 120
     assert duration > length / 20
     assert fluctuation < 1e-3
 
