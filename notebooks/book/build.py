@@ -17,6 +17,7 @@ from sphinx.cmd.build import build_main
 
 from nurbs_lab.plotting import dragging
 from nurbs_lab.plotting.orbit import MIME
+from nurbs_lab.plotting.sliders import label
 
 HERE = Path(__file__).parent
 NOTEBOOKS = HERE.parent
@@ -50,9 +51,11 @@ def figure(output, name, static) -> str | None:
     picture = f'<img src="_static/{name}{PICTURES[kind]}" alt="{html.escape(said.get("alt", ""))}"{width}>'
     last = frames_of(content, name, static) if kind == "image/png" else 0
     if last:
-        slider = f'<input type="range" min="1" max="{last}" value="{last}">'
         place = f'data-frames="_static/{name}-frame-"'
-        return f'<figure class="stored moving" {place}>{picture}<label>Frame {slider}</label>{PLAY}</figure>'
+        explored = re.match(r"Explorer: (\w+) from", data["text/plain"])
+        named = label(explored[1]) if explored else "Frame"
+        slider = f'<label>{named} <input type="range" min="1" max="{last}" value="{last}"></label>'
+        return f'<figure class="stored moving" {place}>{picture}{slider}{PLAY}</figure>'
     if dragging.MIME in data:
         return dragging.page(data[dragging.MIME], name, picture=picture)
     if MIME not in data:

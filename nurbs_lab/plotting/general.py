@@ -10,7 +10,7 @@ from nurbs_lab.plotting.picture import Stored, opened, png_of
 from nurbs_lab.plotting.stage import image
 from nurbs_lab.plotting.style import canvas, plain_log_ticks, takes_axes
 
-HOLD = 10  # frames for which the last one stands still before an animation starts again
+HOLD_MS = 1000  # for which the last frame stands still before an animation starts again
 
 
 @takes_axes
@@ -82,7 +82,7 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=64):
     """
     frames = [_frame(draw, value) for value in values]
     milliseconds = np.full(len(frames), round(1000.0 * frame_s))  # a PNG holds fractions of small numbers
-    milliseconds[-1] *= HOLD
+    milliseconds[-1] += HOLD_MS
     # One palette for all frames, from those at the ends and in the middle.
     some = [frames[k] for k in (0, len(frames) // 2, -1)]
     strip = Image.new("RGB", (some[0].width, sum(one.height for one in some)))

@@ -95,7 +95,7 @@ class Explorer(ipywidgets.VBox):
         """The picture at one position of the first control, with the position written into it."""
         name = next(iter(self.controls))
         drawn = self.draw(**self.values() | {name: value})
-        said = f"{_label(name)} = {_shown(value)}"
+        said = f"{label(name)} = {_shown(value)}"
         if isinstance(drawn, Figure):
             self.words = words(drawn)
             drawn.suptitle(said, x=0.01, ha="left", fontsize=10)
@@ -116,7 +116,7 @@ def _positions(control):
     return [values[k] for k in chosen]
 
 
-def _label(name):
+def label(name):
     """The words of a name, and in brackets the unit in which it may end."""
     return re.sub(" (mm|um|ms)$", r" [\1]", name.replace("_", " ")).replace("[um", "[µm")
 
@@ -148,7 +148,7 @@ def explore(draw, **controls):
 
 
 def _control(name, value):
-    look = {"description": _label(name), "layout": {"width": "32em"}}
+    look = {"description": label(name), "layout": {"width": "32em"}}
     look["style"] = {"description_width": "initial"}
     if isinstance(value, tuple):
         first, last, *step = value
