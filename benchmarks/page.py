@@ -9,7 +9,6 @@ from pathlib import Path
 
 from benchmarks import plots
 from benchmarks.harness import Bar, Row
-from nurbs_lab.plotting.chips import seconds as duration
 
 HERE = Path(__file__).parent
 #: How the rows begin that the project's README shows.
@@ -51,6 +50,14 @@ GROWTH = """## Growth
 
 Time against the work: workers, the length of a program planned in windows, and the size of a file that two
 workers slice. On the logarithmic axes a slope of one is a time in proportion to the work."""
+
+
+def duration(value):
+    """Format a time with its unit, such as '205 µs' for 205e-6."""
+    for scale, unit in ((1, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")):
+        if value >= scale:
+            return f"{value / scale:.3g} {unit}"
+    return f"{value:.2g} s"
 
 
 def missed(rows) -> list[str]:

@@ -7,7 +7,7 @@ from types import ModuleType
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_choice, as_kind, as_positive
+from nurbs_lab.common.checks import as_choice, as_flag, as_kind, as_positive
 from nurbs_lab.hardware.arithmetic import SHIPPED, Format, checksum
 from nurbs_lab.hardware.cu import load_curve
 from nurbs_lab.hardware.exact import run_exact
@@ -101,7 +101,7 @@ def batch_writes(program) -> list[list[tuple[int, int]]]:
     return found
 
 
-def simulate_path(program: Program | ExactProgram, *, arrangement="cached") -> Run:
+def simulate_path(program: Program | ExactProgram, *, arrangement="cached", watch=False) -> Run:
     """Run a program in the simulated ``nurbs_interpolator``.
 
     Parameters
@@ -109,17 +109,20 @@ def simulate_path(program: Program | ExactProgram, *, arrangement="cached") -> R
     program : Program or ExactProgram
         Of ``build_program`` or ``build_exact_program``; the latter has no arrangement.
     arrangement : {'cached', 'parallel', 'serial'}
+    watch : bool
+        Record which unit works in which cycle: ``Run.work``.
     """
     as_choice("arrangement", arrangement, ARRANGEMENTS)
     first, *later = batch_writes(program)
     shape = {"WORD": program.format.word, "DIM": program.dim, "SLOPE": int(isinstance(program, ExactProgram))}
     lines = simulate(
-        "path_run",
+        "path_watch" if as_flag("watch", watch) else "path_run",
         shape | {"ARRANGEMENT": ARRANGEMENTS[arrangement]},
         writes=[f"{at:x} {data:x}" for at, data in [(CONTROL, FORGET), *first, (CONTROL, GO)]],
         later=[f"{at:x} {data:x}" for at, data in chain.from_iterable(later)],
     )
-    *beats, end = (line.split() for line in lines)
+    busy = [line.split()[1:] for line in lines if line.startswith("busy")]
+    *beats, end = (line.split() for line in lines if not line.startswith("busy"))
     beats = [beat for beat in beats if beat[2] == "0"]  # a void beat is no point
     rows = [split_words(int(beat[3], 16), 40, program.dim + 1) for beat in beats]
     status, cycles = (int(value, 16) for value in end)
@@ -130,6 +133,7 @@ def simulate_path(program: Program | ExactProgram, *, arrangement="cached") -> R
         flags=tuple(name for bit, name in FAULTS.items() if status >> bit & 1),
         cycles=cycles,
         outputs=[int(beat[4]) for beat in beats],
+        work=[(int(cycle), unit, int(row)) for cycle, unit, row in busy],
     )
 
 

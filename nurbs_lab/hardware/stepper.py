@@ -61,6 +61,8 @@ class Run:
     #: Of the simulated Verilog: cycle in which each point left, from the last write on; cycles of the run.
     clocks: list = field(default_factory=list)
     cycles: int = 0
+    #: Of a watched run: (cycle, unit, row) for each cycle in which a unit works.
+    work: list = field(default_factory=list)
 
 
 #: Largest step of an axis if the caller gives none, as a multiple of what a period moves at the peak.

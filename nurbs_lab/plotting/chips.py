@@ -45,14 +45,6 @@ def _bars(ax, groups, label):
     ax.grid(visible=False, axis="x")
 
 
-def seconds(value):
-    """Format a time with its unit, such as '205 µs' for 205e-6."""
-    for scale, unit in ((1, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")):
-        if value >= scale:
-            return f"{value / scale:.3g} {unit}"
-    return f"{value:.2g} s"
-
-
 @takes_axes
 def waveform(signals, *, clock_hz=None, ax=None):
     """Digital signals over clock cycles: bits as steps, buses as boxes with their values.

@@ -14,6 +14,7 @@ from nurbs_lab.hardware import (
     load_curve,
     load_feed,
     run_twin,
+    simulate_cu,
     simulate_path,
 )
 
@@ -81,6 +82,20 @@ def test_the_verilog_equals_the_twin(arrangement):
     hardware = short()
     sent, expected = simulate_path(hardware, arrangement=arrangement), run_twin(hardware)
     assert (sent.u, sent.points, sent.flags) == (expected.u, expected.points, ())
+
+
+@pytest.mark.parametrize(
+    ("arrangement", "points", "rows"), [("serial", 8, 1), ("parallel", 8, 4), ("cached", 1, 1)]
+)
+def test_a_watched_run_is_the_same_and_tells_what_works_when(arrangement, points, rows):
+    plain = simulate_path(short(), arrangement=arrangement)
+    watched = simulate_path(short(), arrangement=arrangement, watch=True)
+    assert (watched.points, watched.clocks, plain.work) == (plain.points, plain.clocks, [])
+    begin, end = plain.clocks[8:10]
+    step = [(unit, row) for cycle, unit, row in watched.work if begin <= cycle < end]
+    of_a_point = simulate_cu(CURVE, [0.1, 0.101]).cycles[1] + 1  # with the cycle in which it is started
+    assert sum(unit in ("newer", "older") for unit, _ in step) == points * of_a_point
+    assert {row for unit, row in step if unit == "root"} == set(range(rows))
 
 
 def test_a_narrow_word_costs_accuracy():

@@ -67,7 +67,7 @@ HARDWARE = {
     "watch_cu": (hardware.watch_cu, {"curve": CURVE, "u": np.array([0.25])}),
     "simulate_path": (
         hardware.simulate_path,
-        {"program": PROGRAM, "arrangement": "cached"},
+        {"program": PROGRAM, "arrangement": "cached", "watch": False},
     ),
     "count_cycles": (hardware.count_cycles, {"curve": CURVE, "steps": 5}),
     "estimate_s": (
