@@ -54,10 +54,10 @@ def _contour(ax, contour, order):
     if order:
         ax.scatter(*points.T, c=np.arange(len(points)), cmap=MAGNITUDE, s=9, zorder=3)
     ax.plot(*points[0], "o", color=BLACK, markersize=5, zorder=4)
-    step = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    middle = np.searchsorted(np.cumsum(step), step.sum() / 4)
+    along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
+    tail, tip = np.transpose([np.interp(along[-1] * np.array([0.22, 0.24]), along, axis) for axis in path.T])
     arrow = {"arrowstyle": "-|>", "color": BLACK if order else colour, "mutation_scale": 16}
-    ax.annotate("", path[middle + 1], path[middle], arrowprops=arrow)
+    ax.annotate("", tip, tail, arrowprops=arrow)
 
 
 def weighted_graph(graph):

@@ -104,6 +104,16 @@ def test_weighted_graph_of_the_tetrahedron(tetrahedron):
         assert min(np.abs(np.subtract(sides, t)).max() for t in true) < 1e-9
 
 
+def test_the_arrow_of_a_contour_of_many_short_segments_shows_its_direction():
+    """Matplotlib turns the head of an arrow that is shorter than a point any way."""
+    (layer,) = nl.slice_mesh(trimesh.creation.icosphere(subdivisions=7), [0.3])
+    ax = nl.plotting.layer(layer).axes[0]
+    (arrow,) = ax.texts
+    (x, y), (dx, dy) = arrow.xyann, np.subtract(arrow.xy, arrow.xyann)
+    assert x * dy - y * dx > 0.9 * np.hypot(x, y) * np.hypot(dx, dy)  # counter-clockwise around the middle
+    assert np.hypot(dx, dy) > 0.01 * layer.contours[0].length
+
+
 def test_layer_closes_its_loops(pipe):
     (layer,) = nl.slice_mesh(pipe, [0.5])
     drawn = [one for one in plot.layer(layer).axes[0].lines if len(one.get_xdata()) > 1]
