@@ -83,12 +83,11 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=64):
     frames = [_frame(draw, value) for value in values]
     milliseconds = np.full(len(frames), round(1000.0 * frame_s))  # a PNG holds fractions of small numbers
     milliseconds[-1] += HOLD_MS
-    # One palette for all frames, from those at the ends and in the middle.
-    some = [frames[k] for k in (0, len(frames) // 2, -1)]
-    strip = Image.new("RGB", (some[0].width, sum(one.height for one in some)))
-    for k, one in enumerate(some):
-        strip.paste(one, (0, k * one.height))
-    palette = strip.quantize(colours, Image.Quantize.MAXCOVERAGE, kmeans=2)
+    # One palette for all frames: the colours of the largest areas as they are, and more for all the others.
+    strip = Image.fromarray(np.vstack([frames[k] for k in (0, len(frames) // 2, -1)]))
+    areas = sorted(strip.getcolors(strip.width * strip.height), reverse=True)[: colours // 4]
+    palette = strip.quantize(colours - len(areas), Image.Quantize.MAXCOVERAGE, kmeans=2)
+    palette.putpalette(palette.getpalette() + [level for _, colour in areas for level in colour])
     frames = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     data = io.BytesIO()
     frames[-1].save(

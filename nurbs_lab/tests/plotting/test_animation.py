@@ -5,9 +5,11 @@ import io
 import itertools
 
 import numpy as np
+from matplotlib.colors import to_rgb
 from PIL import Image
 
 import nurbs_lab as nl
+from nurbs_lab.plotting import style
 
 
 def draw(height):
@@ -29,6 +31,22 @@ def test_every_frame_is_stored_with_its_time_and_the_words():
     data, told = moving._repr_mimebundle_()
     assert told["image/png"]["alt"] == moving.alt == "a line that rises"
     assert data["text/plain"] == "<animation of 3 frames: a line that rises>"
+
+
+def test_two_pale_areas_keep_their_colours_among_many_others():
+    """The shades of two limits differ by sixteen of 255 levels; not every pixel keeps its colour."""
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (20, 0)])
+
+    def s_curve(jerk):
+        limits = {"speed": 40, "acceleration": 200, "jerk": jerk}
+        return nl.plotting.feed(nl.plan_feed(line, **limits, period_s=1e-3), limits=limits)
+
+    moving = nl.plotting.animation(s_curve, [500, 1000, 4000], alt="an S-curve")
+    colours = Image.open(io.BytesIO(moving.data)).convert("RGB").getcolors(1 << 20)
+    stored = {colour for _, colour in colours}
+    for limit in ("speed", "acceleration", "jerk"):
+        tint = 0.75 + 0.25 * np.array(to_rgb(style.LIMITS[limit][0]))
+        assert tuple(np.round(255 * tint).astype(int).tolist()) in stored, limit
 
 
 def test_a_notebook_is_given_the_picture_and_its_words(monkeypatch):
