@@ -97,7 +97,7 @@ def claims(kind=None):
 
 
 def audit(section):
-    """The items of one section of the paper as Markdown: quotation, reading, verdict, number and links.
+    """The items of one section of the paper as Markdown, each folded under its name and verdict.
 
     Parameters
     ----------
@@ -112,11 +112,11 @@ def audit(section):
 
 
 def _entry(claim):
-    check = f'<a href="#{claim.check}">{claim.check}</a>'  # HTML, as Sphinx follows no links here
-    number = f" **{claim.number}** (cell {check})." if claim.number else ""
-    notebook = f'notebook <a href="{claim.notebook}.ipynb">{claim.notebook[:2]}</a>'
-    file = claim.module.removeprefix("nurbs_lab/")
-    head = f'<a id="{claim.place}"></a>**{claim.item}** · *{claim.verdict}* · {notebook}, `{file}`'
+    condition, reading = re.match(r"(?:Condition(: .+?)\. )?(.*)", claim.reading).groups("")
+    # The links are HTML, as Sphinx follows no others here.
+    number = f' **{claim.number}** (cell <a href="#{claim.check}">{claim.check}</a>).' if claim.number else ""
+    file = f'Notebook <a href="{claim.notebook}.ipynb">{claim.notebook[:2]}</a>, `{claim.module}`.'
     # An equation is a paragraph of its own: Sphinx takes words in brackets behind it for its label.
     quote = "\n>\n> ".join(filter(None, re.split(r"\s*(\$\$.+?\$\$)\s*", claim.quote)))
-    return f"{head}\n\n> {quote}\n\n{claim.reading}{number}"
+    said = f"<summary><b>{claim.item}</b> · <i>{claim.verdict}</i>{condition}</summary>"
+    return f'<details id="{claim.place}">{said}\n\n> {quote}\n\n{reading}{number}\n\n{file}\n\n</details>'

@@ -41,6 +41,15 @@ def test_it_is_quoted_read_and_its_links_open(claim):
     assert bool(claim.number) == bool(claim.check)
 
 
+@EVERY
+def test_its_reading_says_what_the_rule_for_verdicts_asks(claim):
+    conditional = claim.verdict == "holds with a condition"
+    assert claim.reading.startswith("Condition: ") == conditional
+    assert ("Outside it, " in claim.reading) == conditional
+    assert claim.reading.startswith("What must be meant") == (claim.verdict == "slip in our copy")
+    assert not conditional or f"{claim.verdict}</i>: " in paper.audit(claim.section)
+
+
 @pytest.mark.parametrize("claim", [c for c in CLAIMS if c.check], ids=lambda claim: claim.item)
 def test_its_number_is_printed_by_the_cell_that_it_names(claim):
     (cell,) = (c for c in cells("B-the-paper") if claim.check in c["metadata"].get("tags", []))
