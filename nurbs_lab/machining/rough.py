@@ -283,6 +283,6 @@ class Clearing:
                 points = np.vstack([points, points[:1]])
             points = np.column_stack([points, np.full(len(points), level)])
             points = points[np.append(True, lengths(np.diff(points, axis=0)) > 1e-3 * self.tips.step)]
-            if len(points) > 2:
+            if len(points) > 1:
                 paths.append(Path(points, level, closed))
         return fit_paths(self.fitting, paths)

@@ -34,7 +34,7 @@ def waterlines(touch: Contact, field: TipField, levels, wanted=lambda points, *_
 
     Returns
     -------
-    list of (points (n, 3), closed)
+    list of (points (n, 3), closed); a ring of which two points are left is open, or it would have a cusp
     """
     surface, paths = field.surface(), []
     rings = [c for layer in slice_mesh(surface, levels) for c in layer.contours]
@@ -54,7 +54,7 @@ def waterlines(touch: Contact, field: TipField, levels, wanted=lambda points, *_
         paths += runs(points[a:b], keep[a:b], True)
     least = STUB * CLOSEST * field.step
     thinned = [(points[_apart(points, closed, CLOSEST * field.step)], closed) for points, closed in paths]
-    return [(points, closed) for points, closed in thinned if lengths_along(points)[-1] > least]
+    return [(p, closed and len(p) > 2) for p, closed in thinned if lengths_along(p)[-1] > least]
 
 
 def runs(points, keep, closed):

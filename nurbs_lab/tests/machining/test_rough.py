@@ -125,6 +125,23 @@ def test_slots_hardly_wider_than_the_cutter_are_cleared_or_it_is_said(room, turn
     assert not fits or np.diff(np.sort(np.append(deep, (-11.0, 11.0)))).max() < 1.0
 
 
+@pytest.mark.parametrize("radius", [3.08, 3.4, 3.44])
+def test_round_holes_hardly_wider_than_the_cutter_are_cut_by_paths_that_can_be_planned(radius):
+    """Rings of which two points were left became ways to and fro that stop in a cusp."""
+    part = trimesh.creation.annulus(radius, 8.0, 6.0, sections=48).apply_translation((0.13, 0.065, 0.0))
+    machine = nl.Limits(speed=200.0, acceleration=2000.0, chord_error=1e-3)
+    if radius < 3.3:
+        ball = nl.Cutter("ball", diameter=6.0)
+        program = nl.finish(part, ball, scallop=0.1, tolerance=0.02, machine=machine)
+    else:
+        flat = nl.Cutter("flat", diameter=6.0)
+        program = nl.rough(part, machining.stock_around(part), flat, 2.0, 0.3, machine=machine)
+    points = np.concatenate([curve(np.linspace(*curve.domain, 9)) for curve in program.curves])
+    inside = np.hypot(points[:, 0] - 0.13, points[:, 1] - 0.065) < radius - 3.0
+    assert points[inside, 2].min() < -2.9  # the hole is milled to its end
+    assert 0.0 < program.time_s < 300.0
+
+
 def test_sizes_and_speeds_that_are_too_small_or_large_are_told_early():
     """The default stock of a part of 1 mm is not one of 5 mm, and no machine moves 1 nm in a second."""
     small = trimesh.creation.box((1.0, 0.75, 0.5))
