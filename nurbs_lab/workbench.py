@@ -79,8 +79,7 @@ class Part:
 
     def pictures(self) -> dict[str, bytes]:
         """PNG pictures by caption."""
-        found = {}
-        made = self.reconstruction
+        found, made = {}, self.reconstruction
         if made is not None:
             found["solid"] = png(plotting.surface(made))
             found["deviation"] = png(plotting.deviation(made.mesh, made.deviation, tolerance=made.tolerance))
@@ -94,11 +93,9 @@ class Part:
         lines = []
         if self.reconstruction is not None:
             made = self.reconstruction
-            verdict = "kept" if made.within_tolerance else "missed"
-            lines.append(
-                f"{len(made.surfaces)} faces; largest deviation "
-                f"{made.deviation.max:.3f} mm, tolerance {made.tolerance:g} mm {verdict}"
-            )
+            farthest = f"largest deviation {made.deviation.max:.3f} mm"
+            verdict = f"tolerance {made.tolerance:g} mm " + ("kept" if made.within_tolerance else "missed")
+            lines.append(f"{len(made.surfaces)} faces; {farthest}, {verdict}")
         if self.program is not None:
             replaced = f", for {self.blocks} in the file" if self.blocks else ""
             lines.append(f"program of {len(self.program.moves)} moves{replaced}")
@@ -219,11 +216,8 @@ class Workbench:
         from nurbs_lab.plotting.sliders import Status
 
         self.folder = Path(folder)
-        late = {
-            "continuous_update": False,
-            "style": {"description_width": "8em"},
-            "layout": {"width": "24em"},
-        }
+        look = {"style": {"description_width": "8em"}, "layout": {"width": "24em"}}
+        late = {"continuous_update": False, **look}
         steppers = list(software_steppers())
         cutters = {"no milling": None, **{f"ball of {d} mm": Cutter("ball", diameter=d) for d in (2.0, 6.0)}}
         # Buttons and sliders: JupyterLab takes the arrow keys away from menus.
@@ -304,5 +298,6 @@ class Workbench:
 
     def _repr_mimebundle_(self, **options):
         alt = f"{self.choice.value}: {', '.join(self.pictures)}"
-        data, told = bundle(sheet(self.pictures), f"Workbench({self.choice.value!r})", alt)
+        picture = sheet(self.pictures, width=520, columns=2)
+        data, told = bundle(picture, f"Workbench({self.choice.value!r})", alt)
         return self.widget._repr_mimebundle_(**options) | data, told

@@ -63,16 +63,19 @@ def opened(file):
     return Image.open(io.BytesIO(file)).convert("RGB")
 
 
-def sheet(files, width=700):
-    """Several PNG files by name, one below the other and each under its name, as the bytes of one."""
-    named = {name: opened(file) for name, file in files.items()}
-    named = {name: one.resize((width, one.height * width // one.width)) for name, one in named.items()}
-    whole = Image.new("RGB", (width, sum(HEAD + one.height for one in named.values())), "white")
-    pen, top = ImageDraw.Draw(whole), 0
-    for name, one in named.items():
-        pen.text((HEAD, top + HEAD // 3), name, fill="black", font=ImageFont.truetype(FONT, HEAD // 2))
-        whole.paste(one, (0, top + HEAD))
-        top += HEAD + one.height
+def sheet(files, width=700, columns=1):
+    """Several PNG files by name as the bytes of one; each goes under its name into the shortest column."""
+    placed, tops = [], [0] * columns
+    for name, file in files.items():
+        one, column = opened(file), tops.index(min(tops))
+        one = one.resize((width, one.height * width // one.width))
+        placed.append((name, one, column * width, tops[column]))
+        tops[column] += HEAD + one.height
+    whole = Image.new("RGB", (columns * width, max(tops)), "white")
+    pen = ImageDraw.Draw(whole)
+    for name, one, left, top in placed:
+        pen.text((left + HEAD, top + HEAD // 3), name, fill="black", font=ImageFont.truetype(FONT, HEAD // 2))
+        whole.paste(one, (left, top + HEAD))
     return stored_png(whole)
 
 

@@ -1,15 +1,17 @@
 """Plane pictures show the numbers they were given, with names and units on their axes."""
 
+import io
 import re
 
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 
 import nurbs_lab as nl
 from nurbs_lab.motion.leaderboard import Score
 from nurbs_lab.plotting import style
-from nurbs_lab.plotting.picture import png_of, words
+from nurbs_lab.plotting.picture import HEAD, opened, png_of, sheet, words
 
 plot = nl.plotting
 CURVE = nl.paper.CURVE
@@ -161,3 +163,19 @@ def test_the_map_of_what_is_left_begins_at_zero_unless_the_part_is_gouged():
         part = trimesh.creation.box(bounds=[(-5, -5, 0), (5, 5, top)])
         colours = plot.remaining(milled, part, limit=2.0).axes[0].collections[0]
         assert colours.get_clim() == (lowest, 2e3)
+
+
+def plain(colour, height):
+    """A PNG file of one colour, 200 pixels wide."""
+    data = io.BytesIO()
+    Image.new("RGB", (200, height), colour).save(data, "png")
+    return data.getvalue()
+
+
+def test_pictures_share_the_columns_of_a_sheet():
+    heights = {"#ff0000": 100, "#00ff00": 300, "#0000ff": 100, "#ffff00": 80}
+    whole = opened(sheet({name: plain(name, high) for name, high in heights.items()}, width=200, columns=2))
+    assert whole.size == (400, 3 * HEAD + 100 + 100 + 80)  # the second stands beside the three others
+    counts = {"#{:02x}{:02x}{:02x}".format(*colour): count for count, colour in whole.getcolors()}
+    for name, high in heights.items():
+        assert counts[name] == 200 * high, "one picture covers another"
