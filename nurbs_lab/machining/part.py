@@ -106,10 +106,6 @@ def part_named(name, part, tessellation=None) -> Part:
         raise type(error)(f"{name}: {said}") from None
     if graph.junk.all():
         raise ValueError(f"{name} has no triangle with three different corners")
-    return _sorted(graph)
-
-
-def _sorted(graph):
     kept = np.flatnonzero(~graph.junk)
     tree = triangle_tree(graph.vertices[graph.triangles[kept]])
     size = lengths(tree.normals)[:, None]
