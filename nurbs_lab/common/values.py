@@ -10,12 +10,15 @@ class Value:
     """Base of frozen dataclasses declared with ``eq=False, repr=False``.
 
     Two values are equal if they are of one type and all their fields are equal, arrays entry by entry. Equal
-    values have the same hash. A copied or unpickled value is made by its constructor, so that its arrays are
-    read-only as they were and kernels take them without being compiled again. The printed form is one short
+    values have the same hash. Arrays are read-only. A copied or unpickled value is made by its constructor,
+    so that they stay so and kernels take them without being compiled again. The printed form is one short
     line: an array is shown by its shape, a sequence by its length.
     """
 
     __slots__ = ()
+
+    def __post_init__(self):
+        _freeze(_fields(self))
 
     def __eq__(self, other):
         if type(self) is not type(other):
@@ -32,20 +35,22 @@ class Value:
         )
 
     def __reduce__(self):
-        return _frozen, (type(self), _fields(self))
+        return type(self), tuple(_fields(self))
 
 
-def _frozen(kind, fields):
-    value = kind(*fields)
-    for item in _fields(value):
-        for array in item if isinstance(item, (list, tuple)) else [item]:
-            if isinstance(array, np.ndarray):
-                array.setflags(write=False)
-    return value
+def _freeze(items):
+    """Make arrays read-only, also those in sequences and in other frozen records."""
+    for item in items:
+        if isinstance(item, np.ndarray):
+            item.setflags(write=False)
+        elif isinstance(item, (list, tuple)):
+            _freeze(item)
+        elif hasattr(item, "__dataclass_fields__") and not isinstance(item, Value):
+            _freeze(_fields(item))
 
 
 def _fields(value):
-    return [getattr(value, field.name) for field in dataclasses.fields(value)]
+    return [getattr(value, name) for name in value.__dataclass_fields__]
 
 
 def _brief(item):

@@ -47,10 +47,6 @@ class MeshGraph(Value):
     kinds: np.ndarray
     junk: np.ndarray
 
-    def __post_init__(self):
-        for array in (self.vertices, self.triangles, self.opposite, self.kinds, self.junk):
-            array.setflags(write=False)
-
     @property
     def neighbours(self) -> np.ndarray:
         """Face across each edge, ``(m, 3)``; -1 where there is none. Column w - 1 is the edge of weight w."""

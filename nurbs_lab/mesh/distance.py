@@ -11,8 +11,8 @@ from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels_distance
 
 
-@dataclass(frozen=True, eq=False)
-class TriangleTree:
+@dataclass(frozen=True, eq=False, repr=False)
+class TriangleTree(Value):
     """Triangles in a tree of boxes, ready to be asked for distances; build it with `triangle_tree`.
 
     Attributes

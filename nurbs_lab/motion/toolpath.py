@@ -63,11 +63,6 @@ class ToolPath(Value):
     evaluations_by_order: np.ndarray
     details: Mapping = field(default_factory=dict)
 
-    def __post_init__(self):
-        for value in vars(self).values():
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
-
     def __len__(self):
         return len(self.u)
 

@@ -176,8 +176,6 @@ def _layers_of_planes(walked, heights, junk, frame, nonzero):
         points[a + 1 : b] = points[a + 1 : b][::-1]
         carriers[a:b] = carriers[a:b][::-1]
     area[turned] *= -1.0
-    points.setflags(write=False)
-    carriers.setflags(write=False)
 
     start = points[begins[:-1]]
     order = np.lexsort((start[:, 1], start[:, 0], -np.abs(area), ~closed, left_out, plane))

@@ -59,6 +59,7 @@ class Face(Value):
     half_angle: float | None = None
 
     def __post_init__(self):
+        super().__post_init__()
         if self.kind not in KINDS:
             raise ValueError(f"kind is {self.kind!r}; give one of {', '.join(KINDS)}")
 

@@ -3,15 +3,16 @@
 import contextlib
 import copy
 import pickle
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 
 import numpy as np
 import pytest
 import trimesh
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy.interpolate import make_interp_spline
 
 import nurbs_lab as nl
+from nurbs_lab.machining import prepare_part
 from nurbs_lab.nurbs import _kernels, arc, circle, sphere, torus
 from nurbs_lab.tests.nurbs.samples import random_curve, random_surface
 
@@ -36,19 +37,36 @@ def test_a_copy_is_equal_and_frozen_and_needs_no_compilation(value, again):
 
 
 def results():
-    """A contour, a layer, a feed profile and a tool path."""
+    """A contour, a layer, a feed profile, a tool path, a part, a milled block, a verification and a solid."""
     feed = nl.plan_feed(CURVE, speed=4.0, acceleration=40.0, period_s=0.01)
-    layer = nl.slice_mesh(trimesh.creation.box(), [0.1])[0]
-    return layer.contours[0], layer, feed, nl.trace(CURVE, feed)
+    block = trimesh.creation.box((8.0, 8.0, 4.0))
+    layer = nl.slice_mesh(block, [0.1])[0]
+    yield from (layer.contours[0], layer, feed, nl.trace(CURVE, feed), prepare_part(block))
+    program = nl.finish(block, nl.Cutter("ball", diameter=4.0), scallop=0.5, tolerance=0.1)
+    yield from (nl.simulate(program, resolution=0.5), nl.verify(program, block))
+    yield nl.reconstruct(block, tolerance=0.1)
 
 
-def test_results_too_are_equal_by_content_and_stay_frozen():
+def arrays_of(item):
+    if isinstance(item, np.ndarray):
+        yield item
+    elif is_dataclass(item):
+        yield from arrays_of([getattr(item, field.name) for field in fields(item)])
+    elif isinstance(item, (list, tuple)):
+        for part in item:
+            yield from arrays_of(part)
+
+
+def test_results_too_are_equal_by_content_and_frozen_from_the_start():
     for value, same in zip(results(), results(), strict=True):
         other = pickle.loads(pickle.dumps(value))
-        assert value == same == other
-        assert hash(value) == hash(same) == hash(other)
-        arrays = [x for x in (getattr(other, f.name) for f in fields(other)) if isinstance(x, np.ndarray)]
-        assert not any(array.flags.writeable for array in arrays)
+        for arrays in zip(*map(arrays_of, (value, same, other)), strict=True):
+            assert not any(array.flags.writeable for array in arrays)
+            assert_array_equal(arrays[0], arrays[1])
+            assert_array_equal(arrays[0], arrays[2])
+        if not isinstance(value, nl.machining.Simulation):  # its field of heights is no value
+            assert value == same == other
+            assert hash(value) == hash(same) == hash(other)
 
 
 def test_closed_curves_and_surfaces_go_round():
