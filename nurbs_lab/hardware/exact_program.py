@@ -27,6 +27,8 @@ _RATIO, _HALVINGS = 1.9, 12
 _NEAR = 8e-7
 #: A period's distance is missed by these parts of the largest: the first whose records fit into the banks.
 _AGREE = 10.0 ** np.arange(-8, -4)
+#: The step stops where |C'|² has changed by this part in the middle of a step.
+_UNSETTLED = 1 / 16
 #: A step errs by less than this part of it: rtl/README.md.
 _STEP_ERROR = 1e-3
 #: Pieces that a bank holds; the longest reserve of periods that can be loaded.
@@ -291,6 +293,7 @@ def build_exact_program(
     found = [(*piece, on) for curve, on in zip(curves, bits, strict=True) for piece in pieces_of(curve)]
     size = max(sum(np.abs(x.coef)) for _, axes, *_ in found for x in axes)
     point_fraction = word - 1 - int(np.frexp(max(size, 2.0**-60) * (1 + 2.0 ** (4 - word)))[1])
+    _require_even(found, places)
     pieces = tuple(_piece(*row, word, point_fraction, step_fraction) for row in found)
     check_chain(curves, feed, 16 * 2.0**-point_fraction)
     limits = loaded_limits(curves[0].dim, moved, largest_step, axis_limits, point_fraction, format)
@@ -307,6 +310,25 @@ def build_exact_program(
         except ValueError as error:
             trouble = error
     raise trouble
+
+
+def _require_even(found, places):
+    """Refuse a feed at which |C'|² changes within half of a period by more than ``exact_step.v`` corrects."""
+    begin, t = 0.0, np.linspace(0.0, 1.0, 257)
+    for interval, _, metric, *_ in found:
+        speeds = np.sqrt(metric(t))
+        along = np.append(begin, begin + np.cumsum(speeds[1:] + speeds[:-1]) * t[1] / 2)
+        first, last = np.searchsorted(places, along[[0, -1]], side="right")
+        starts = np.maximum(places[first - 1 : last - 1], begin)
+        now, moves, begin = np.interp(starts, along, t), places[first:last] - starts, along[-1]
+        middle = np.minimum(now + moves / (2.0 * np.sqrt(metric(now))), 1.0)
+        change = np.abs(metric(middle) / metric(now) - 1.0)
+        if change.max(initial=0.0) > _UNSETTLED:
+            u = np.interp(now[change.argmax()], [0.0, 1.0], interval)
+            raise ValueError(
+                f"the curve nearly stops at u = {u:.6g}: |C'| changes too much within the "
+                f"{moves[change.argmax()]:.3g} mm of a period; take a shorter period, or plan a slower feed"
+            )
 
 
 def check_chain(curves, feed, most=0.0):
