@@ -61,9 +61,10 @@ def stock_field(stock, step, upper=False) -> TipField:
     field = empty_field(low[:2], high[:2], step, float(low[2]), wrong)
     if isinstance(stock, np.ndarray):
         return replace(field, z=np.full(field.z.shape, float(high[2])))
-    z = needle(stock, field)
+    held = field.places().clip(low[:2], high[:2])  # a node beside the stock stands for a strip at its side
+    z = needle(stock, replace(field, at=held.reshape(*field.z.shape, 2)))
     if upper:
-        wide = contact(stock, Cutter("flat", diameter=2.0 * HALF * step)).heights(field.places())
+        wide = contact(stock, Cutter("flat", diameter=2.0 * HALF * step)).heights(held)
         z = np.maximum(z, wide.reshape(z.shape))
     return replace(field, z=np.maximum(z, field.floor))
 

@@ -246,10 +246,11 @@ def test_a_move_of_uneven_speed_is_seen_from_end_to_end(knots, weights):
 
 
 @pytest.mark.parametrize("resolution", [0.05, 0.2, 1 / 3, 1.1, 4.0])
-def test_facing_removes_the_volume_of_the_layer_whatever_the_resolution(resolution):
+@pytest.mark.parametrize("kind", [list, lambda corners: trimesh.creation.box(bounds=corners)])
+def test_facing_removes_the_volume_of_the_layer_whatever_the_resolution(resolution, kind):
     line = nl.NurbsCurve(1, [0, 0, 1, 1], [(-20.0, 1.0, 1.5), (20.0, 1.0, 1.5)])
     program = machining.Program([machining.Move("cut", line, 10.0)], nl.Cutter("flat", diameter=12.0))
-    milled = nl.simulate(program, [(0, 0, 0), (3, 2, 2)], resolution)
+    milled = nl.simulate(program, kind([(0, 0, 0), (3, 2, 2)]), resolution)
     assert milled.volumes.sum() == pytest.approx(3.0)
 
 
