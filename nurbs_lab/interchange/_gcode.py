@@ -50,7 +50,8 @@ class Setup:
         Of the program, from 1 to 9999, between two lines %; Fanuc needs one. Siemens gets its name of it, and
         Heidenhain none.
     digits : int
-        After the point of a coordinate in mm, one more in inches: 3 or 4 for most controllers.
+        After the point of a coordinate in mm, one more in inches: 3 or 4 for most controllers. What they
+        round is taken from the tolerance of `export`, of which it may be half.
 
     Examples
     --------
@@ -131,6 +132,13 @@ def _program(strokes, dialect, tolerance, units, axes, setup):
     if setup is not None:
         _require_setup(setup, strokes, axes, dialect)
     post = kind(units, axes, None if tolerance is None else tolerance * scale, setup)
+    if setup and tolerance is not None:
+        post.tolerance -= (rounding := 0.5 * dim**0.5 * 10.0**-post.digits)
+        if rounding > post.tolerance:
+            said = (
+                f"digits = {setup.digits} rounds {units} by up to {rounding / scale:.2g} mm, more than half"
+            )
+            raise ValueError(f"setup: {said} of tolerance = {tolerance:g} mm; give more digits")
     within = f" within {tolerance:g} mm" if approximate else ""
     moves = "" if setup else ", moves only"
     title = f"nurbs_lab, dialect {dialect}{within}, F per minute{moves}"

@@ -1,6 +1,7 @@
 """Out and back gives the same shape; other programs' libraries see the same points."""
 
 import itertools
+import re
 
 import geomdl.exchange
 import numpy as np
@@ -279,3 +280,19 @@ def test_what_is_written_as_one_arc_is_within_the_tolerance_of_it(tmp_path):
             away = np.hypot(*(basis @ net)[:, :2].T - centre[:, None]) - np.hypot(*ring[0, :2] - centre)
             assert np.abs(away).max() <= ASKED["tolerance"]
     assert arcs > 30
+
+
+@pytest.mark.parametrize(("digits", "units", "within"), [(2, "mm", 0.02), (3, "mm", 2e-3), (3, "inch", 5e-3)])
+def test_the_digits_of_a_controller_count_within_the_tolerance(tmp_path, digits, units, within):
+    """The ends and the middles of the chords of a circle; and tolerances that the digits cannot keep."""
+    setup = nl.Setup(tool=1, spindle_rpm=900, safe_z_mm=20.0, digits=digits)
+    one = arc(13.7, 0.3, 3.9, (1.0, 2.0)).transform(np.eye(3)[:, :2])
+    asked = {"dialect": "g1", "feed": 9.0, "units": units, "axes": "XYZ", "setup": setup}
+    file = nl.export(tmp_path / "a.nc", one, tolerance=within, **asked)
+    scale = 25.4 if units == "inch" else 1.0
+    words = re.findall(r"^G1 X(\S+) Y(\S+) Z0(?: |$)", file.read_text(), re.MULTILINE)
+    ends = scale * np.array(words, float) - (1.0, 2.0)
+    places = np.vstack([ends, (ends[1:] + ends[:-1]) / 2])
+    assert np.abs(np.hypot(*places.T) - 13.7).max() <= within
+    with pytest.raises(ValueError, match=f"digits = {digits} rounds {units} by up to .*; give more digits"):
+        nl.export(tmp_path / "a.nc", one, tolerance=0.5 * within, **asked)
