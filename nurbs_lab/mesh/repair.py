@@ -304,20 +304,13 @@ def _bodies(vertices, triangles, opposite, size, repairs):
 
     An outermost surface that points inwards is turned with all that it contains, as a mirrored mesh has it.
     """
-    count, label = bodies_of(opposite)
-    parts = []
-    for k in range(count):
-        mine = np.flatnonzero(label == k)
-        used, corners = np.unique(triangles[mine], return_inverse=True)
-        points, corners = vertices[used], corners.reshape(-1, 3)
-        volume = float(enclosed_volume(points, corners))
-        if abs(volume) > NO_VOLUME * size**3:
-            parts.append((points, corners, volume))
+    every = parts_of(vertices, triangles, bodies_of(opposite)[1])
+    parts = [part for part in every if abs(part[2]) > NO_VOLUME * size**3]
     if not parts:
         raise ValueError("mesh encloses no volume; there is no solid to reconstruct")
-    if empty := count - len(parts):
+    if empty := len(every) - len(parts):
         repairs.append(f"{counted(empty, 'part')} without volume left out")
-    around = _around(parts)
+    around = around_of(parts)
     turned = [k for k, some in enumerate(around) if parts[some[0] if some else k][2] < 0]
     for k, (points, corners, volume) in [(k, parts[k]) for k in turned]:
         parts[k] = points, corners[:, ::-1].copy(), -volume
@@ -332,7 +325,17 @@ def _bodies(vertices, triangles, opposite, size, repairs):
     return surfaces, [body[k] for k in np.flatnonzero(~void) if np.sum(1 - 2 * void[around[k]]) > 0]
 
 
-def _around(parts):
+def parts_of(vertices, triangles, label):
+    """Vertices, triangles and volume of every part, of which ``label`` is the number for each triangle."""
+    parts, order = [], np.argsort(label, kind="stable")
+    for mine in np.split(order, np.cumsum(np.bincount(label))[:-1]):
+        used, corners = np.unique(triangles[mine], return_inverse=True)
+        points, corners = vertices[used], corners.reshape(-1, 3)
+        parts.append((points, corners, float(enclosed_volume(points, corners))))
+    return parts
+
+
+def around_of(parts):
     """For every part those around it, the largest first: its box is within theirs, and a vertex inside."""
     lows, highs = (np.array([end(part[0], axis=0) for part in parts]) for end in (np.min, np.max))
     order, around = np.argsort([-abs(part[2]) for part in parts], kind="stable"), [[] for _ in parts]

@@ -6,20 +6,20 @@ import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
 
-from nurbs_lab.common.checks import as_floats, counted, shown_place
+from nurbs_lab.common.checks import as_floats, counted, extent, shown_place
 from nurbs_lab.common.progress import interruptible
 from nurbs_lab.mesh.cloud.indicator import closed_surface, moved_to
 from nurbs_lab.mesh.cloud.normals import NEIGHBOURHOODS, directions_of, outward
 from nurbs_lab.mesh.core import (
     bodies_of,
     components,
-    enclosed_volume,
     mesh_graph,
     opposite_of,
     tails_and_heads,
     unit,
     vertex_normals,
 )  # fmt: skip
+from nurbs_lab.mesh.repair import NO_VOLUME, around_of, parts_of
 
 _LEAST_POINTS = 10
 _CROWD = 8  # neighbours that tell how far a point is from the others
@@ -49,7 +49,8 @@ class MeshReport:
     bodies : int
         Connected parts.
     outward : bool
-        Whether the normals point out: the enclosed volume is positive.
+        Whether the normals point out: the enclosed volume is positive, and that of every closed body that
+        is in no other.
     open_edges, non_manifold_edges, edges_against_winding, junk_triangles : int
         What is wrong: see `MeshGraph`.
     repairs : tuple of str
@@ -84,11 +85,23 @@ def _report(mesh, repairs):
     return MeshReport(
         not any(flaws),
         len(np.unique(bodies_of(graph.opposite)[1][~graph.junk])),
-        bool(enclosed_volume(graph.vertices, graph.triangles[~graph.junk]) > 0.0),
+        _faces_outward(graph),
         *flaws,
         int(graph.junk.sum()),
         tuple(repairs),
     )
+
+
+def _faces_outward(graph):
+    """Whether the enclosed volume is positive, and that of every closed part which is inside no other."""
+    kept = np.flatnonzero(~graph.junk)
+    triangles, opposite = graph.triangles[kept], graph.opposite.reshape(-1, 3)[kept]
+    label = np.unique(bodies_of(graph.opposite)[1][kept], return_inverse=True)[1]
+    parts = parts_of(graph.vertices, triangles, label) if len(kept) else []
+    torn = set(label[(opposite < 0).any(axis=1)].tolist())
+    outermost = [k for k, some in enumerate(around_of(parts)) if not some and k not in torn]
+    least = -NO_VOLUME * extent(graph.vertices) ** 3
+    return sum(part[2] for part in parts) > 0.0 and all(parts[k][2] > least for k in outermost)
 
 
 @interruptible()

@@ -206,7 +206,16 @@ def test_flaws_are_reported():
     assert (check_mesh(holed).watertight, check_mesh(holed).open_edges) == (False, 3)
     other = ball.copy()
     other.apply_translation([3.0, 0.0, 0.0])
-    assert check_mesh(trimesh.util.concatenate([ball, other])).bodies == 2
+    both = check_mesh(trimesh.util.concatenate([ball, other]))
+    assert (both.bodies, both.outward) == (2, True)
+
+
+@pytest.mark.parametrize(("size", "step", "outward"), [(0.5, 3, False), (0.5, 0, True), (2, 0, False)])
+def test_a_body_inside_out_beside_another_is_told_from_a_void(size, step, outward):
+    ball = trimesh.creation.icosphere()
+    inverted = ball.copy().apply_scale(size).apply_translation([step, 0.0, 0.0])
+    inverted.invert()
+    assert check_mesh(trimesh.util.concatenate([ball, inverted])).outward is outward
 
 
 TORUS, NORMALS = cloud(100)
