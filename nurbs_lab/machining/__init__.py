@@ -74,7 +74,7 @@ more, waterlines along level faces 14 % of a plate and two warnings, cliffs 13 %
 tangent to both passes 7 %, closed gaps 5 %, cuts that plunge into little 3 to 6 %, rapid moves below the safe
 height 2 % (roughing 6 %), slopes of low steps 1 %, but a cone is cut 15 µm too deep, tips spared by
 waterlines up to 30 % of the way of programs after others; processor time of owners of edges 27 %, of trying
-the last triangle first 10 %. Without cuts in steps, 6 of 130 roughings bite deeper, one by 2.25 steps.
+the last triangle first 10 %. Without cuts in steps, one of 130 roughings bites 2.3 steps deep, not one.
 
 Definitions: HALF (half the diagonal of a cell), NEEDLE (a cutter without width), ROBERTS (the sequence R2),
 MACHINE (a small machine), _LINE, _LINK, _BASIS, _STRAIGHT (splines of links; without the straight
