@@ -3,8 +3,9 @@
  * Feed override, hold and stop: path time runs at a rate from 0 to 1. The rate follows the command in the least time
  * that the limits of acceleration and jerk allow; the tool stays on the path, and goes on where it stopped.
  *
- * The rule is that of nurbs_lab.motion.override. A period of the machine is long, so one adder computes all of it, a
- * bit of a product or of a quotient a cycle, as feed_override_program.v says. Within a period of the feed the speed
+ * The limits hold along the path; README.md says how to plan so that the vector and the axes keep theirs. The rule is
+ * that of nurbs_lab/hardware/feed_override.py. A period of the machine is long, so one adder computes all of it, a bit
+ * of a product or of a quotient a cycle, as feed_override_program.v says. Within a period of the feed the speed
  * changes evenly, by half of the difference of the two neighbours' distances, so the path time may stand anywhere in
  * it. At rate 1 since the start, the distances are the feed's own.
  *

@@ -18,6 +18,13 @@ brakes to rest, and at most 2 J + 2 A² / v on the way to another command, but i
 rate arrives what is left of the acceleration ends at once: where the tool rejoins a plan that brakes, up to
 16 J. `nurbs_lab.motion.apply_override`, which knows the plan ahead, has no such jump.
 
+A is kept along the path. What the plan takes across it, C at most, comes on top at a right angle, since the
+tool is no faster than the plan: the vector, and with it each axis, takes up to the root of A² + C², which is
+1.41 A for a plan that takes all of A in curves or at corners. To keep every acceleration within M, plan with
+``acceleration=0.8 * M`` and ``centripetal_acceleration=0.6 * M``, or another pair with A² + C² = M². On ten
+curves, 40 plans and 14,400 commands, it is then at most 1.004 M (1.40 M without), and the motion takes 6 to
+11 % longer. Nothing bounds the jerk of an axis but its part of the jerk along the path.
+
 The speed of the feed is not a formula here: within a period of the feed it changes evenly by half of what the
 distances of its two neighbours differ. Against the feed's own speed it is wrong by at most A T / 8 where the
 acceleration jumps, and by J T² / 12 elsewhere; rates and path time have 32 fraction bits.

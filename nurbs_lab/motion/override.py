@@ -20,7 +20,7 @@ For an override of 0 to 200 % of a programmed feed, plan with twice that feed an
 then the programmed feed and 1 twice it, or what the limits leave of it. A hold resumes with the next command
 above 0. An abort, or a stop after a fault, is a hold that no command follows: the motion ends where the tool
 comes to rest. Of a feed without its curve only the limits along the path are known.
-``hardware.feed_override`` follows commands by a rule of its own, in integers.
+``hardware.feed_override`` follows commands by a rule of its own, in integers, within limits along the path.
 """
 
 from dataclasses import replace

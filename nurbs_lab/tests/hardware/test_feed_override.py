@@ -20,10 +20,15 @@ def planned(jerk):
     """A plan with its distances and limits in integers, which are those along the path; the unit of 1 mm."""
     given = {"speed": SPEED, "acceleration": ACCELERATION, "jerk": jerk, "chord_error": 1e-4}
     plan = nl.plan_feed(BUTTERFLY, **given, period_s=PERIOD, tangential_only=True)
+    return plan, *in_integers(plan)
+
+
+def in_integers(plan):
+    """Distances of a plan and its limits, and the unit of 1 mm."""
     unit = 2.0 ** (WORD - 2 + Format.ramp_guard - int(np.frexp(1.01 * SPEED * PERIOD)[1]))
     ends = plan.displacement(PERIOD * np.arange(np.ceil(plan.duration / PERIOD) + 1))
     moves = [round(x * unit) for x in np.diff(ends)]
-    return plan, moves, override_limits(plan, PERIOD, unit, *moves[:2], WORD), unit
+    return moves, override_limits(plan, PERIOD, unit, *moves[:2], WORD), unit
 
 
 def follow(moves, limits, rows):
@@ -85,6 +90,22 @@ def test_a_command_is_followed_as_in_floating_point(jerk):
         t = PERIOD * np.arange(min(len(s), int(feed.duration / PERIOD) + 1))
         assert np.abs(feed.displacement(t) - s[: len(t)]).max() <= 4 * SPEED * PERIOD
         assert s[first] == sum(moves[:first]) / unit
+
+
+@pytest.mark.parametrize("jerk", [None, 20_000.0])
+@pytest.mark.parametrize(("along", "across", "most"), [(1.0, 1.0, 1.42), (0.8, 0.6, 1.01)])
+def test_the_vector_takes_what_the_docstring_says(jerk, along, across, most):
+    """Differences of positions under random commands, beside an acceleration M along the path and across it."""
+    given = {"acceleration": along * ACCELERATION, "centripetal_acceleration": across * ACCELERATION}
+    plan = nl.plan_feed(BUTTERFLY, speed=SPEED, jerk=jerk, period_s=PERIOD, **given)
+    moves, limits, unit = in_integers(plan)
+    rng = np.random.default_rng(47)
+    starts = np.cumsum(rng.integers(1, 100, 150)).tolist()
+    rows = [*zip(starts, rng.choice([0, 64, 128, 256], 150).tolist(), strict=True), (starts[-1] + 1, 256)]
+    lengths = np.array(follow(moves, limits, rows)[0]) / unit
+    points = BUTTERFLY(BUTTERFLY.parameter_at(np.minimum(lengths, plan.length)))
+    used = np.linalg.norm(np.diff(points, n=2, axis=0), axis=1).max() / PERIOD**2 / ACCELERATION
+    assert 0.8 * most < used <= most
 
 
 @pytest.mark.parametrize("jerk", [None, 800.0])
