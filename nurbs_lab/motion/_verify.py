@@ -1,7 +1,5 @@
 """By what a planned feed exceeds its limits, measured on the profile and on the curve."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from nurbs_lab.motion import _kernels
@@ -27,7 +25,6 @@ def excesses(path, limits, profile):
     A row holds the name of the limit, from where to where on the path each factor holds (mm), and the
     factors, which are 1 or less where the limit is kept. A motion slower by the factor keeps it.
     """
-    profile = _without_rounding(profile, limits)
     found, by_chords = _along(limits, profile), _has_chords(limits, profile)
     if limits.of_the_curve:
         found += _on_lines(path, limits, profile, by_chords)
@@ -65,15 +62,6 @@ def _along(limits, profile):
     if limits.jerk is not None:
         rows.append(("jerk", np.cbrt(np.abs(j) / limits.jerk)))
     return [(name, s, stop, factors) for name, factors in rows]
-
-
-def _without_rounding(profile, limits):
-    """The profile without what rounding of the speed adds to accelerations in short segments."""
-    rounded = 4.0 * np.spacing(profile.terms[:, 1]) / np.diff(profile.times)
-    rounded = np.where(rounded > 1e-9 * limits.acceleration, rounded, 0.0)
-    half, terms = profile.terms[:, 2], profile.terms.copy()
-    terms[:, 2] = np.sign(half) * np.maximum(np.abs(half) - 0.5 * rounded, 0.0)
-    return replace(profile, terms=terms)
 
 
 def _on_lines(path, limits, profile, by_chords):

@@ -114,10 +114,10 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     of_nodes = limits_on(path, limits, nodes, speeds, fineness.margin)
     of_ends = map(tuple, (speeds, ramp_times, most))
     block = Block(nodes, ends, *of_nodes, *of_ends, np.ones(len(nodes) - 1))
-    stretches, axes = _stretches(path, zones, places), (limits.axis_acceleration, limits.axis_jerk)
+    axes = limits.axis_acceleration, limits.axis_jerk
     along = zip((limits.acceleration, limits.jerk), axes, strict=True)
     steepest = [one if axis is None else min(one, axis.min()) for one, axis in along]
-    return block, _guess(block, steepest, slowest, stretches)
+    return block, _guess(block, steepest, slowest, places, _fastest_between(path, places))
 
 
 def _one_zone_a_place(path):
@@ -127,17 +127,14 @@ def _one_zone_a_place(path):
     return path.zones[order[np.unique(at, return_index=True)[1]]]
 
 
-def _stretches(path, zones, places):
-    """Of the stretches between corners: start, stop, and the largest speed."""
-    ways = np.diff(places)
-    reach = np.concatenate([[0.0], 0.5 * (zones[:, 1] - zones[:, 0]), [0.0]])
-    start = places[:-1] + np.minimum(reach[:-1], 0.25 * ways)
-    stop = places[1:] - np.minimum(reach[1:], 0.25 * ways)
+def _fastest_between(path, places):
+    """The largest speed that is allowed all along each stretch between corners."""
+    start, stop = places[:-1], places[1:]
     runs = np.stack([np.searchsorted(path.lengths, start, "right"), np.searchsorted(path.lengths, stop)])
     tops = path.tops[runs[0] - 1]
     runs = np.where(runs[1] > runs[0], runs, [[len(path.caps)], [len(path.caps) + 1]])
     least = np.minimum.reduceat(np.append(path.caps, [np.inf, np.inf]), runs.T.ravel())[::2]
-    return start, stop, np.minimum(tops, np.sqrt(least))
+    return np.minimum(tops, np.sqrt(least))
 
 
 def _out_of_rest(path, limits, margin, near, end):
@@ -163,18 +160,17 @@ def _out_of_rest(path, limits, margin, near, end):
     return jerk, min(np.sqrt(0.5 * slow / jerk), 0.35 * gentle / jerk)
 
 
-def _guess(block, steepest, slowest, stretches):
+def _guess(block, steepest, slowest, places, slow):
     """Ordinates of a motion that is level behind the ends, at corners and between them."""
     nodes, speeds, slopes = block.nodes, np.sqrt(block.ends[::2]), 0.5 * np.abs(block.ends[1::2])
-    *edges, slow = stretches
     most = _PART * np.array(steepest)
     least = np.cbrt(_SHORTEST**2 * steepest[1] * np.ptp(nodes) ** 2)  # else the ramps are lost by rounding
     slow, outer = np.sqrt(_PART) * np.maximum(slow, least), 0.5 * np.array(block.ramp_jerks)
     level = np.minimum(np.sqrt(_PART) * slowest, np.minimum(np.append(np.inf, slow), np.append(slow, np.inf)))
-    edges, turns = np.array(edges), slopes / outer  # times in which the accelerations of both ends vanish
+    turns = slopes / outer  # times in which the accelerations of both ends vanish
     gone = turns * (speeds + slopes * turns / 3.0)
-    edges[0, 0], edges[1, -1] = nodes[0] + gone[0], nodes[-1] - gone[1]
-    ways, level[[0, -1]] = np.maximum(edges[1] - edges[0], 0.0), speeds + 0.5 * slopes * turns
+    edges = np.concatenate([nodes[:1] + gone[0], places[1:-1], nodes[-1:] - gone[1]])
+    ways, level[[0, -1]] = np.maximum(np.diff(edges), 0.0), speeds + 0.5 * slopes * turns
     least, share = np.maximum(level[1:], level[:-1]), np.zeros(len(ways))
     for power in range(1, 40):
         top = least + (share + 0.5**power) * (slow - least)
@@ -183,17 +179,16 @@ def _guess(block, steepest, slowest, stretches):
     top = least + share * (slow - least)
     rises, falls = _rise(level[:-1], top, *most), _rise(level[1:], top, *most)
     held, zero = np.maximum(ways - rises[0] - falls[0], 0.0) / top, np.zeros(len(ways))
-    crossed = np.append((edges[0, 1:] - edges[1, :-1]) / level[1:-1], 0.0)
-    durations = np.column_stack([*rises[1], held, *falls[1], crossed])
-    changes = np.column_stack([rises[2], zero, -rises[2], zero, -falls[2], zero, falls[2], zero]).ravel()
+    durations = np.column_stack([*rises[1], held, *falls[1]])
+    changes = np.column_stack([rises[2], zero, -rises[2], zero, -falls[2], zero, falls[2]]).ravel()
     durations = np.concatenate([turns[:1], durations.ravel(), turns[1:]])
     changes = np.concatenate([-outer[:1], changes, -outer[1:]])
     there = durations > 1e-12 * durations.sum()
     path = path_of_jerks(durations[there], changes[there], speeds[0], slopes[0])
     profile = FeedProfile(*path, 1.0)
-    begun = np.append(profile.terms[:, 0], profile.length)[np.cumsum(there) - there][1:-1].reshape(-1, 8)
-    met = np.concatenate([[0.0], begun[:, [0, 7]].ravel(), [profile.length]])
-    places = np.concatenate([nodes[:1], edges.T.ravel(), nodes[-1:]])
+    begun = np.append(profile.terms[:, 0], profile.length)[np.cumsum(there) - there]
+    met = np.concatenate([[0.0], begun[1::7], [profile.length]])
+    places = np.concatenate([nodes[:1], edges, nodes[-1:]])
 
     def square(lengths):  # where a stretch is too short for its S-curves, these are shortened
         return profile.speed(profile.time_at(np.interp(lengths, places, met))) ** 2

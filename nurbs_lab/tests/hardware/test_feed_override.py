@@ -95,7 +95,7 @@ def test_a_command_is_followed_as_in_floating_point(jerk):
 @pytest.mark.parametrize("jerk", [None, 20_000.0])
 @pytest.mark.parametrize(("along", "across", "most"), [(1.0, 1.0, 1.42), (0.8, 0.6, 1.01)])
 def test_the_vector_takes_what_the_docstring_says(jerk, along, across, most):
-    """Differences of positions under random commands, beside an acceleration M along the path and across it."""
+    """Differences of positions under random commands, beside a limit that is M along and across the path."""
     given = {"acceleration": along * ACCELERATION, "centripetal_acceleration": across * ACCELERATION}
     plan = nl.plan_feed(BUTTERFLY, speed=SPEED, jerk=jerk, period_s=PERIOD, **given)
     moves, limits, unit = in_integers(plan)
