@@ -17,10 +17,12 @@ from nurbs_lab.machining.stock import as_stock, depths, material_of, require_ins
 from nurbs_lab.machining.surface import at_rest, left_over, sample_surface, standing, visible, with_valleys
 from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
+from nurbs_lab.nurbs.along import lengths_along
 
 CUSP = 0.65  # fraction of the scallop: height of cusps on a plane between the first passes
 SAMPLES = 0.125  # fraction of the step-over: spacing of the samples on which the remainder is measured
 FINEST_SAMPLES = 1 / 80  # fraction of the diameter: their least spacing
+VAIN = 0.9  # fraction of the places with too much left: further passes that leave more of them are not cut
 
 
 @one_or_many(send=without_cache)
@@ -124,7 +126,9 @@ def covering(fitting, plan, scallop, stock, after, material):
     """Paths that leave no more than the scallop where the cutter reaches the part and ``after`` left more.
 
     What is left is measured on samples of the part, beyond what the cutter must leave there, and as material
-    that stands above those it reaches. A warning says where more is left.
+    that stands above them. As the cutter is enlarged by half the tolerance, it does not enter gaps that it
+    just fits, so each round of further passes is twice as close as the one before. A warning says where more
+    is left.
     """
     part, cutter = fitting.part, fitting.cutter
     spacing = max(SAMPLES * plan.step, FINEST_SAMPLES * cutter.diameter)
@@ -145,19 +149,24 @@ def covering(fitting, plan, scallop, stock, after, material):
         far = np.minimum(far, depths(stock, above, points))
     for one in done:
         far, _ = left_over(*one, points, far, gaps + scallop)
-    poor, above[~found], before = far - gaps > scallop, 0.0, np.inf
-    fresh = paths = fit_paths(fitting, plan.paths(tips[poor], tips[~poor]))
+    poor, before = far - gaps > scallop, np.inf
+    paths, fresh = [], longer(fitting.tolerance, fit_paths(fitting, plan.paths(tips[poor], tips[~poor])))
+    close = fitting
     while True:
         done = [*done, (cutter, locations(fresh))]
         far, _ = left_over(*done[-1], points, far, gaps + scallop)
-        some, over, deep = standing(touch, cutter, points, above, scallop, done, places)
-        left, rest, done = far - gaps, np.delete(np.arange(len(points)), some), []
-        left[some], tips[some], above[rest] = deep, over, 0.0
-        if not 0 < np.count_nonzero(poor := left > scallop) < before:
+        some, over, deep, high = standing(touch, cutter, points, above, scallop, done, places)
+        now, above, done = far - gaps, np.zeros(len(points)), []
+        now[some], tips[some], above[some] = deep, over, high
+        if np.count_nonzero(poor := now > scallop) > VAIN * before:
             break
-        points, tips, gaps, far, above, left = (one[poor] for one in (points, tips, gaps, far, above, left))
-        fresh, before = fit_paths(fitting, plan.paths_through(tips, left)), len(left)
-        paths = paths + fresh
+        paths, left, before = paths + fresh, now[poor], np.count_nonzero(poor)
+        if not before:
+            break
+        points, tips, gaps, far, above = (one[poor] for one in (points, tips, gaps, far, above))
+        more = replace(plan, touch=close.touch(0.5)).paths_through(tips, left)
+        fresh = longer(fitting.tolerance, fit_paths(close, more))
+        close = replace(close, tolerance=max(close.tolerance / 2, SINGLE * extent(part.bounds)))
     if left.max(initial=0.0) <= scallop + fitting.tolerance:
         return paths, ()
     said = (
@@ -165,6 +174,11 @@ def covering(fitting, plan, scallop, stock, after, material):
         f"{points[left.argmax()].round(3)}; a smaller cutter leaves less"
     )
     return paths, (said,)
+
+
+def longer(least, paths):
+    """Paths longer than ``least``: shorter pieces of one that was split cost a way down each."""
+    return [path for path in paths if lengths_along(path.points)[-1] > least]
 
 
 def locations(paths):

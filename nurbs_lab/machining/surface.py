@@ -134,8 +134,9 @@ def visible(part, samples, floor, tolerance):
 
 
 def standing(touch, cutter, points, above, height, done, places):
-    """Points above which a cutter at rest takes more than ``height``, its tips there, and how much it takes.
+    """Points above which a cutter at rest takes more than ``height``.
 
+    Returned are their numbers, the tips there, how much it takes, and how much stands above the points.
     Beside a pass that comes near a point, a pillar may stand on it. ``above (n,)`` is how high the stock is
     over the points, ``done`` holds cutters and their tips, and ``places`` are tips of the cutter at rest.
     """
@@ -153,7 +154,7 @@ def standing(touch, cutter, points, above, height, done, places):
     places = np.vstack([places, np.column_stack([tops[:, :2], touch.heights(tops[:, :2])])])
     deep, which = left_over(cutter, places, tops, -height)
     stand = deep < -height
-    return some[stand], places[which[stand]], -deep[stand]
+    return some[stand], places[which[stand]], -deep[stand], above[stand]
 
 
 def left_over(cutter, tips, points, reach=np.inf, enough=-np.inf, upright=False):

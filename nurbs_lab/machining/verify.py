@@ -172,8 +172,8 @@ def verify(program, part, *, spacing=None) -> Verification:
         left = np.minimum(left, above if program.after is None else depths(stock, above, samples.points))
     left = left - gaps
     for touch, cutter, rest, fits in rests:
-        high, over = max(left[fits].max(initial=0.0), program.tolerance), np.where(fits, above, 0.0)
-        some, _, deep = standing(touch, cutter, samples.points, over, high, done, rest)
+        high = max(left[fits].max(initial=0.0), program.tolerance)
+        some, _, deep, _ = standing(touch, cutter, samples.points, above, high, done, rest)
         left[some] = deep
     seen, narrow = seen | found, seen & ~found
     bridged, left = left[narrow].clip(0.0), left[found]
