@@ -91,6 +91,14 @@ def test_figures_are_numbered_in_order(notebook):
     assert numbers == list(range(1, len(numbers) + 1)) != []
 
 
+def test_sections_are_numbered_in_order(notebook):
+    prose = "\n".join(source(cell) for cell in notebook["cells"] if cell["cell_type"] == "markdown")
+    numbers = [int(number) for number in re.findall(r"^## (\d+) · ", prose, re.MULTILINE)]
+    assert numbers == list(range(1, len(numbers) + 1))
+    sections = [int(number) for number in re.findall(r"\(Section (\d+)\)", prose)]
+    assert set(sections) <= set(numbers)
+
+
 def test_exercises_are_folded_run_and_asserted(notebook):
     cells = notebook["cells"]
     asked = [n for n, cell in enumerate(cells) if re.search(r"^\*\*\d\.", source(cell), re.MULTILINE)]
