@@ -22,7 +22,7 @@ A is kept along the path. What the plan takes across it, C at most, comes on top
 tool is no faster than the plan: the vector, and with it each axis, takes up to the root of A² + C², which is
 1.41 A for a plan that takes all of A in curves or at corners. To keep every acceleration within M, plan with
 ``acceleration=0.8 * M`` and ``centripetal_acceleration=0.6 * M``, or another pair with A² + C² = M². On ten
-curves, 40 plans and 14,400 commands, it is then at most 1.004 M (1.40 M without), and the motion takes 6 to
+curves, 40 plans and 14,400 commands, it is then at most 1.004 M (1.40 M without), and the motion takes 3 to
 11 % longer. Nothing bounds the jerk of an axis but its part of the jerk along the path.
 
 The speed of the feed is not a formula here: within a period of the feed it changes evenly by half of what the
