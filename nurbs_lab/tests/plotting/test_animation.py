@@ -44,6 +44,7 @@ def test_two_pale_areas_keep_their_colours_among_many_others():
     moving = nl.plotting.animation(s_curve, [500, 1000, 4000], alt="an S-curve")
     colours = Image.open(io.BytesIO(moving.data)).convert("RGB").getcolors(1 << 20)
     stored = {colour for _, colour in colours}
+    assert max(colours) == (max(colours)[0], (255, 255, 255))
     for limit in ("speed", "acceleration", "jerk"):
         tint = 0.75 + 0.25 * np.array(to_rgb(style.LIMITS[limit][0]))
         assert tuple(np.round(255 * tint).astype(int).tolist()) in stored, limit
