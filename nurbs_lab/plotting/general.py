@@ -48,7 +48,7 @@ def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=
     return figure
 
 
-def animation(draw, values, *, alt, frame_s=0.1, colours=64):
+def animation(draw, values, *, alt, frame_s=0.1, colours=48):
     """A picture that moves wherever a PNG can be shown: one frame for each value, then from the start.
 
     The file is stored in the notebook, so it plays in JupyterLab, on GitHub and on a static page, and needs
