@@ -120,7 +120,8 @@ def build(target) -> int:
             copy(mathjax / name, static / "mathjax" / name)
         titles = {file.stem: stage(file, source) for file in sorted(NOTEBOOKS.glob("*.ipynb"))}
         (source / "index.md").write_text(front(titles))
-        return build_main(["-q", "-W", "--keep-going", str(source), str(target)])
+        trees = str(source / "trees")  # Sphinx's own notes, no part of the site
+        return build_main(["-q", "-W", "--keep-going", "-d", trees, str(source), str(target)])
 
 
 if __name__ == "__main__":
