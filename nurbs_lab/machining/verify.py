@@ -97,10 +97,6 @@ class Verification(Value):
             raise ValueError(f"percent must be between 0 and 100, got {percent}")
         return float(np.percentile(self.left, percent, method="inverted_cdf"))
 
-    def fraction_above(self, height) -> float:
-        """Fraction of the reached area on which more is left."""
-        return float(np.mean(self.left > as_number("height", height)))
-
 
 @one_or_many("part", send=without_cache)
 def verify(program, part, *, spacing=None) -> Verification:

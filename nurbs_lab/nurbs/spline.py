@@ -92,11 +92,6 @@ class Spline(Value):
         turn = np.eye(3) + np.sin(angle) * across + (1.0 - np.cos(angle)) * across @ across
         return self._about(turn[:dim, :dim], center)
 
-    def bounding_box(self):
-        """A box around the shape, (lowest, highest) corner, each ``(dim,)``: that of its control points."""
-        points = self.control_points.reshape(-1, self.dim)
-        return points.min(axis=0), points.max(axis=0)
-
     def _about(self, matrix, center):
         if center is None:
             return self.transform(matrix)

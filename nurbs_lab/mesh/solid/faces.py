@@ -78,14 +78,10 @@ class Face(Value):
 
 def patch(surface: NurbsSurface) -> Face:
     """An untrimmed surface as a face: its loop are its four sides, v = 0, u = 1, v = 1 and u = 0."""
-    (p, q), (u, v), net, weights = surface.degrees, surface.knots, surface.control_points, surface.weights
-    sides = (
-        NurbsCurve(p, u, net[:, 0], weights[:, 0]),
-        NurbsCurve(q, v, net[-1], weights[-1]),
-        NurbsCurve(p, u, net[:, -1], weights[:, -1]).reverse(),
-        NurbsCurve(q, v, net[0], weights[0]).reverse(),
-    )
-    return Face("patch", surface, (sides,))
+    (left, right), (low, high) = surface.domain
+    there = surface.iso_curve(v=low), surface.iso_curve(u=right)
+    back = surface.iso_curve(v=high).reverse(), surface.iso_curve(u=left).reverse()
+    return Face("patch", surface, ((*there, *back),))
 
 
 def kinds_of_faces(faces) -> str:

@@ -47,7 +47,7 @@ def test_what_is_left_is_measured_however_far_it_reaches():
         np.testing.assert_allclose(found.left, left, rtol=0, atol=1e-3)
         assert least < found.percentile(100) == pytest.approx(left.max(), abs=1e-3)
         assert f"{found.percentile(100):.4g} mm on all" in found.report()
-        assert found.fraction_above(2.0) == pytest.approx(np.mean(left > 2.0), abs=1e-3)
+        assert np.mean(found.left > 2.0) == pytest.approx(np.mean(left > 2.0), abs=1e-3)
     elsewhere = box.copy().apply_translation((100.0, 0.0, 0.0))  # of which the stock says nothing
     assert nl.verify(replace(program, stock=stock), elsewhere).percentile(0) > 70.0
 

@@ -57,7 +57,6 @@ NURBS = {
     "NurbsCurve.length": (CURVE.length, {"u0": 0.25, "u1": 0.75}),
     "NurbsCurve.parameter_at": (CURVE.parameter_at, {"length": np.array([0.5, 2.0])}),
     "NurbsCurve.closest_point": (CURVE.closest_point, {"points": LINE}),
-    "NurbsCurve.bounding_box": (CURVE.bounding_box, {}),
     "NurbsCurve.insert_knot": (CURVE.insert_knot, {"u": 0.25, "times": 2}),
     "NurbsCurve.refine": (CURVE.refine, {"parameters": np.array([0.25, 0.75])}),
     "NurbsCurve.remove_knot": (CURVE.remove_knot, {"u": 0.5, "tolerance": 10.0}),
@@ -82,7 +81,6 @@ NURBS = {
     "NurbsSurface.derivatives": (SURFACE.derivatives, {"u": U, "v": V, "order": (1, 1)}),
     "NurbsSurface.normal": (SURFACE.normal, {"u": U, "v": V}),
     "NurbsSurface.closest_point": (SURFACE.closest_point, {"points": LINE}),
-    "NurbsSurface.bounding_box": (SURFACE.bounding_box, {}),
     "NurbsSurface.insert_knot": (SURFACE.insert_knot, {"at": 0.25, "times": 2, "direction": "v"}),
     "NurbsSurface.refine": (SURFACE.refine, {"parameters": np.array([0.25, 0.75]), "direction": "u"}),
     "NurbsSurface.remove_knot": (

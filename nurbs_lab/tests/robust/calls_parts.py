@@ -42,7 +42,6 @@ PARTS = {
     ),
     "verify": (nl.verify, {"program": PROGRAM, "part": BLOCK, "spacing": 0.5, "executor": None}),
     "Verification.percentile": (FOUND.percentile, {"percent": 99.0}),
-    "Verification.fraction_above": (FOUND.fraction_above, {"height": 0.25}),
     "rough": (
         nl.rough,
         {
