@@ -133,12 +133,13 @@ def _program(strokes, dialect, tolerance, units, axes, setup):
         _require_setup(setup, strokes, axes, dialect)
     post = kind(units, axes, None if tolerance is None else tolerance * scale, setup)
     if setup and tolerance is not None:
-        post.tolerance -= (rounding := 0.5 * dim**0.5 * 10.0**-post.digits)
-        if rounding > post.tolerance:
-            said = (
-                f"digits = {setup.digits} rounds {units} by up to {rounding / scale:.2g} mm, more than half"
+        rounding = 0.5 * dim**0.5 * 10.0**-post.digits
+        if rounding > 0.5 * post.tolerance:
+            raise ValueError(
+                f"setup: digits = {setup.digits} rounds {units} by up to {rounding / scale:.2g} mm, more "
+                f"than half of tolerance = {tolerance:g} mm; give more digits"
             )
-            raise ValueError(f"setup: {said} of tolerance = {tolerance:g} mm; give more digits")
+        post.tolerance -= rounding
     within = f" within {tolerance:g} mm" if approximate else ""
     moves = "" if setup else ", moves only"
     title = f"nurbs_lab, dialect {dialect}{within}, F per minute{moves}"

@@ -150,8 +150,9 @@ def covering(fitting, plan, scallop, stock, after, material):
     for one in done:
         far, _ = left_over(*one, points, far, gaps + scallop)
     poor, before = far - gaps > scallop, np.inf
-    paths, fresh = [], longer(fitting.tolerance, fit_paths(fitting, plan.paths(tips[poor], tips[~poor])))
-    close = fitting
+    first = plan.paths(tips[poor], tips[~poor])
+    paths, fresh = [], longer_than(fitting.tolerance, fit_paths(fitting, first))
+    closer = fitting
     while True:
         done = [*done, (cutter, locations(fresh))]
         far, _ = left_over(*done[-1], points, far, gaps + scallop)
@@ -164,9 +165,9 @@ def covering(fitting, plan, scallop, stock, after, material):
         if not before:
             break
         points, tips, gaps, far, above = (one[poor] for one in (points, tips, gaps, far, above))
-        more = replace(plan, touch=close.touch(0.5)).paths_through(tips, left)
-        fresh = longer(fitting.tolerance, fit_paths(close, more))
-        close = replace(close, tolerance=max(close.tolerance / 2, SINGLE * extent(part.bounds)))
+        more = replace(plan, touch=closer.touch(0.5)).paths_through(tips, left)
+        fresh = longer_than(fitting.tolerance, fit_paths(closer, more))
+        closer = replace(closer, tolerance=max(closer.tolerance / 2, SINGLE * extent(part.bounds)))
     if left.max(initial=0.0) <= scallop + fitting.tolerance:
         return paths, ()
     said = (
@@ -176,7 +177,7 @@ def covering(fitting, plan, scallop, stock, after, material):
     return paths, (said,)
 
 
-def longer(least, paths):
+def longer_than(least, paths):
     """Paths longer than ``least``: shorter pieces of one that was split cost a way down each."""
     return [path for path in paths if lengths_along(path.points)[-1] > least]
 

@@ -85,10 +85,10 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=48):
     milliseconds[-1] += HOLD_MS
     # One palette for all frames: the colours of the largest areas as they are, and more for all the others.
     strip = Image.fromarray(np.vstack([frames[k] for k in (0, len(frames) // 2, -1)]))
-    areas = sorted(strip.getcolors(strip.width * strip.height), reverse=True)[: colours // 4]
-    areas = np.array([colour for _, colour in areas])
-    palette = strip.quantize(colours - len(areas), Image.Quantize.MAXCOVERAGE, kmeans=2)
-    palette = np.vstack([areas, np.reshape(palette.getpalette(), (-1, 3))])
+    counted = sorted(strip.getcolors(strip.width * strip.height), reverse=True)
+    areas = np.array([colour for _, colour in counted[: colours // 4]])
+    others = strip.quantize(colours - len(areas), Image.Quantize.MAXCOVERAGE, kmeans=2).getpalette()
+    palette = np.vstack([areas, np.reshape(others, (-1, 3))])
     frames = [_coloured(frame, palette) for frame in frames]
     data = io.BytesIO()
     frames[-1].save(
