@@ -82,7 +82,8 @@ class Part:
         found, made = {}, self.reconstruction
         if made is not None:
             found["solid"] = png(plotting.surface(made))
-            found["deviation"] = png(plotting.deviation(made.mesh, made.deviation, tolerance=made.tolerance))
+            look = {"tolerance": made.tolerance, "cmap": "YlGnBu"}  # pale where nothing is off
+            found["deviation"] = png(plotting.deviation(made.mesh, made.deviation, **look))
         found["tool path"] = png_of(plotting.path(self.path))
         found["feed"] = png_of(plotting.feed(self.path.feed))
         found["feed fluctuation"] = png_of(plotting.fluctuation(self.path))
@@ -90,9 +91,8 @@ class Part:
 
     def summary(self) -> str:
         """The main figures, one on each line."""
-        lines = []
-        if self.reconstruction is not None:
-            made = self.reconstruction
+        lines, made = [], self.reconstruction
+        if made is not None:
             farthest = f"largest deviation {made.deviation.max:.3f} mm"
             verdict = f"tolerance {made.tolerance:g} mm " + ("kept" if made.within_tolerance else "missed")
             lines.append(f"{len(made.surfaces)} faces; {farthest}, {verdict}")

@@ -45,8 +45,7 @@ def mesh(mesh, *, edges=True, stage=None, title=None):
     edges : bool
         Draw the edges of the triangles.
     """
-    mesh = triangles(mesh)
-    stage = given_or_new(stage)
+    mesh, stage = triangles(mesh), given_or_new(stage)
     stage.add_mesh(
         mesh, color=CLAY, show_edges=edges, edge_color="#5a6475", edge_opacity=0.35,
         line_width=0.5, **MATERIAL, **({} if edges else _SMOOTH),
@@ -163,7 +162,7 @@ def control_net(surface, *, stage=None, title=None):
 
 
 @takes_stage
-def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
+def deviation(mesh, values, *, tolerance=None, cmap=MAGNITUDE, stage=None, title=None):
     """Where a reconstruction departs from its mesh, with a colour bar in mm.
 
     Parameters
@@ -174,16 +173,17 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
         at zero. With a `Deviation` that exceeds the tolerance, the worst place is marked.
     tolerance : float, optional
         In mm: the end of the colour bar, so that pictures can be compared; what lies beyond is red.
+    cmap : str
+        Colours of unsigned distances, by matplotlib's name.
     """
     mesh = triangles(mesh)
     measured, values = (values, values.vertices) if isinstance(values, Deviation) else (None, values)
-    values = np.asarray(values, float)
-    stage = given_or_new(stage)
+    values, stage = np.asarray(values, float), given_or_new(stage)
     reach = tolerance or float(np.abs(values).max()) or 1.0
     signed = values.min() < 0
     stage.add_mesh(
         mesh, scalars=values, clim=(-reach if signed else 0.0, reach),
-        cmap=SIGNED if signed else MAGNITUDE, above_color=RED if tolerance else None, **_SMOOTH,
+        cmap=SIGNED if signed else cmap, above_color=RED if tolerance else None, **_SMOOTH,
         ambient=0.55, diffuse=0.6, show_scalar_bar=False,
     )  # fmt: skip
     bar = stage.add_scalar_bar(
