@@ -292,9 +292,7 @@ def chord_error(*, ax=None):
 
 @takes_axes
 def binding(path, *, ax=None):
-    """The tool path, in the colour and width of the limit that is active.
-
-    The legend names every limit of the plan, so that plans of the same limits have the same picture.
+    """The tool path, in the colour and width of the active limit; the legend has the shares of the time.
 
     Parameters
     ----------
@@ -309,9 +307,10 @@ def binding(path, *, ax=None):
     with canvas(7.5, np.clip(5.0 * high / max(broad, 1e-9) + 0.9, 2.4, 5.0), ax) as (figure, ax):
         for name in dict.fromkeys([*given, *np.unique(limits).tolist()]):
             width = 2 + [*LIMITS, name].index(name)  # always the same one for a limit
+            label = f"{name.replace('_', ' ')}, {100 * np.mean(limits == name):.0f} %"
             mine, (colour, _) = chords[limits == name].reshape(-1, 2), LIMITS.get(name, OTHER_LIMIT)
             look = {"linewidth": width, "zorder": 20 - width, "solid_capstyle": "butt"}  # a thin one on top
-            ax.plot(*mine.T, "-", color=colour, label=name.replace("_", " "), **look)
+            ax.plot(*mine.T, "-", color=colour, label=label, **look)
         equal_mm(ax)
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="limited by")
     return figure

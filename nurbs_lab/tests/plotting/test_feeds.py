@@ -18,10 +18,12 @@ def test_every_chord_is_drawn_once_under_the_limit_that_binds():
     feed = nl.plan_feed(nl.paper.CURVE, speed=4, acceleration=40, period_s=0.01)
     path = nl.trace(nl.paper.CURVE, feed, stepper="rk4")
     ax = nl.plotting.binding(path).axes[0]
-    assert [line.get_label() for line in ax.lines] == ["speed", "acceleration"]
     limits = feed.limiting(path.t[1:])
-    for line in ax.lines:
-        mine = limits == line.get_label()
+    names = [line.get_label().split(", ")[0] for line in ax.lines]
+    assert names == ["speed", "acceleration"]
+    for line, name in zip(ax.lines, names, strict=True):
+        mine = limits == name
+        assert line.get_label() == f"{name}, {100 * mine.mean():.0f} %"
         np.testing.assert_array_equal(line.get_xydata()[0::3], path.points[:-1][mine])
         np.testing.assert_array_equal(line.get_xydata()[1::3], path.points[1:][mine])
     assert ax.get_xlabel() == "x [mm]"
