@@ -194,7 +194,7 @@ def test_a_curve_is_dragged_and_is_the_one_that_its_line_of_code_makes(host, pag
 
 def test_keys_stop_a_moving_picture_at_a_frame_and_start_it_again(host, page):
     page.goto(f"{host}/00-tour.html")
-    figure = page.locator("figure.moving").first
+    figure = page.locator("figure.moving", has_text="tolerance [mm]")
     picture, slider = figure.locator("img"), figure.get_by_role("slider", name="tolerance [mm]")
     moving, last = picture.get_attribute("src"), int(slider.input_value())
     step_in(figure)
