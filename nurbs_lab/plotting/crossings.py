@@ -44,7 +44,8 @@ def repeating_node(graph, contour, *, at=0, stage=None, title=None):
     stage = given_or_new(stage)
     triangles = graph.vertices[graph.triangles[contour.triangles[[at, (at + 1) % len(contour.triangles)]]]]
     first, second = _segment(contour, at), _segment(contour, at + 1)
-    name_points(stage, triangles.mean(axis=1), ["first", "second"], BLUE)
+    left = 0.3 * np.ptp(first, axis=0).max() * _view(triangles)[1]  # half of a name
+    name_points(stage, triangles.mean(axis=1) - left, ["first", "second"], BLUE)
     name_points(stage, _raised(first[1:], triangles[0], 0.05), ["  repeating node"], INK)
     return _framed(stage, title, triangles, contour, np.vstack([first, second[1:]]))
 
@@ -83,11 +84,18 @@ def _framed(stage, title, triangles, contour, cut):
     dots = pv.PolyData(cut).glyph(geom=pv.Sphere(radius=DOT * size), orient=False, scale=False)
     stage.add_mesh(dots, color=RED, smooth_shading=True, **MATERIAL)
     length = float(f"{size / 4:.0e}")  # of the axes: one digit
-    tips = plane[0] + length * np.eye(3)
-    stage.add_mesh(polylines([np.array([plane[0], tip]) for tip in tips]), color=INK, line_width=2)
+    towards, right = _view(triangles)
+    origin = plane[np.argmin(plane @ right)] - 1.2 * length * right  # left of everything
+    tips = origin + length * np.eye(3)
+    stage.add_mesh(polylines([np.array([origin, tip]) for tip in tips]), color=INK, line_width=2)
     name_points(stage, tips, ["x", "y", f"z, {length:g} mm"], INK)
-    facing = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]).sum(axis=0)
-    turn = np.arctan2(facing[1], facing[0]) + 0.6
-    frame(stage, title=title, direction=(np.cos(turn), np.sin(turn), 0.4))
+    frame(stage, title=title, direction=towards)
     stage.camera.zoom(0.85)  # room for names
     return stage
+
+
+def _view(triangles):
+    """From where the triangles are seen, and what is to the right there."""
+    facing = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]).sum(axis=0)
+    turn = np.arctan2(facing[1], facing[0]) + 0.6
+    return np.array([np.cos(turn), np.sin(turn), 0.4]), np.array([-np.sin(turn), np.cos(turn), 0.0])
