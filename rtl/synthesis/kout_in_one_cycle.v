@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Kout in one clock cycle: two squares, a root, a product and a quotient between two registers.
-module kout_in_one_cycle #(parameter integer W = 20) (
+// Kout in one clock cycle: s * du over the root of x * x + y * y between two registers, by two methods.
+// METHOD 0: root and quotient bit by bit, one sum for each; 1: a table of 1 / root, and a product for the quotient.
+// The table is read from inverse_roots.hex, which synthesis.py writes; it errs by up to 0.15 % (and two units).
+module kout_in_one_cycle #(parameter integer W = 20, METHOD = 0) (
     input  wire                  clk,
     input  wire signed [W-1:0]   x, y, du,
     input  wire [W-2:0]          s,
@@ -10,23 +12,42 @@ module kout_in_one_cycle #(parameter integer W = 20) (
     reg [W-2:0] s0;
     wire [2*W-1:0] squares = x0 * x0 + y0 * y0;
     wire [2*W-1:0] product = s0 * $unsigned(du0[W-2:0]);
-    reg [W-1:0] root; reg [W+1:0] rest;
-    reg [W-1:0] quotient; reg [W:0] left;
+    wire [W-1:0] quotient;
+    generate
+        if (METHOD == 0) bit_by_bit #(W) inside (squares, product, quotient);
+        else table_of_roots #(W) inside (squares, product, quotient);
+    endgenerate
+    always @(posedge clk) begin x0 <= x; y0 <= y; du0 <= du; s0 <= s; k <= quotient; end
+endmodule
+
+module bit_by_bit #(parameter integer W = 20) (input wire [2*W-1:0] squares, product, output reg [W-1:0] quotient);
+    reg [W-1:0] root; reg [W+2:0] rest; reg [W+1:0] left; // the highest bit of rest and left is a sign
     integer i;
     always @* begin
         root = 0; rest = 0;
-        for (i = W - 1; i >= 0; i = i - 1) begin
-            rest = {rest[W-1:0], squares[2*i +: 2]};
-            if (rest >= {root, 2'b01}) begin
-                rest = rest - {root, 2'b01};
-                root = {root[W-2:0], 1'b1};
-            end else root = {root[W-2:0], 1'b0};
+        for (i = W - 1; i >= 0; i = i - 1) begin // root ends in 1 where a bit of it was found, rest >= 0
+            rest = {rest[W:0], squares[2*i +: 2]} + ({1'b0, root, rest[W+2], 1'b1} ^ {W+3{!rest[W+2]}}) + !rest[W+2];
+            root = {root[W-2:0], !rest[W+2]};
         end
         left = product[2*W-1:W]; quotient = 0;
         for (i = W - 1; i >= 0; i = i - 1) begin
-            left = {left[W-1:0], product[i]};
-            if (left >= root) begin left = left - root; quotient[i] = 1'b1; end
+            left = {left[W:0], product[i]} + ({2'b0, root} ^ {W+2{!left[W+1]}}) + !left[W+1];
+            quotient[i] = !left[W+1];
         end
     end
-    always @(posedge clk) begin x0 <= x; y0 <= y; du0 <= du; s0 <= s; k <= quotient; end
+endmodule
+
+module table_of_roots #(parameter integer W = 20) (input wire [2*W-1:0] squares, product, output wire [W-1:0] quotient);
+    reg [W-1:0] inverse [0:1023]; // 2^(W-1) / root((index + 1/2) / 1024), from 256 on
+    initial $readmemh("inverse_roots.hex", inverse);
+    // Both shifted up together, squares by pairs of bits, until one of its two highest bits is 1.
+    reg [2*W-1:0] high, shifted;
+    integer j;
+    always @* begin
+        high = squares; shifted = product;
+        for (j = 4; j >= 0; j = j - 1)
+            if ((1 << j) < W && high >> (2 * W - (2 << j)) == 0) begin high = high << (2 << j); shifted = shifted << (1 << j); end
+    end
+    wire [2*W-1:0] scaled = shifted[2*W-1:W] * inverse[high[2*W-1 -: 10]];
+    assign quotient = scaled[2*W-2:W-1];
 endmodule

@@ -7,7 +7,7 @@ import sys
 import tempfile
 from collections import Counter
 from contextlib import contextmanager
-from math import ceil
+from math import ceil, sqrt
 from pathlib import Path
 
 from nurbs_lab.hardware.simulation import rtl_folder
@@ -25,6 +25,8 @@ ARRANGEMENTS = {
 SEEDS = range(1, 9)
 #: What the chip has, the ECP5-25F.
 CHIP = {"cells": 24288, "multipliers": 28, "memory_blocks": 56}
+#: How ``Kout`` finds its root and its quotient in one cycle: the METHOD of kout_in_one_cycle.v, by number.
+KOUT_METHODS = ("bit by bit", "a table")
 #: The clock that is wanted.
 WANTED_MHZ = 50
 #: Depth to width of an M4K block of Cyclone II.
@@ -73,14 +75,23 @@ def clock_mhz(placed):
 
 
 def kout_in_one_cycle_mhz() -> dict:
-    """The clock at which ``Kout`` would finish in one cycle, by bits of its words, with the first seed."""
+    """The clocks at which ``Kout`` would finish in one cycle, by method: three placements each."""
     clocks = {}
-    for bits in (20, 12):
+    for number, method in enumerate(KOUT_METHODS):
         with workplace() as folder:
+            write_inverse_roots(folder)
             read = "read_verilog -defer rtl/synthesis/kout_in_one_cycle.v; "
-            synthesize_ecp5(folder, f"{read}chparam -set W {bits} kout_in_one_cycle; ", "kout_in_one_cycle")
-            clocks[str(bits)] = clock_mhz(place(folder, SEEDS[0]))
+            read += f"chparam -set METHOD {number} kout_in_one_cycle; "
+            synthesize_ecp5(folder, read, "kout_in_one_cycle")
+            clocks[method] = [clock_mhz(place(folder, seed)) for seed in SEEDS[:3]]
     return clocks
+
+
+def write_inverse_roots(folder, bits=20):
+    """Write the table of ``kout_in_one_cycle``; the places of numbers below 1/4 are never read."""
+    places = [(max(index, 256) + 0.5) / 1024 for index in range(1024)]
+    words = [min(2**bits - 1, int(2 ** (bits - 1) / sqrt(place))) for place in places]
+    (folder / "inverse_roots.hex").write_text("\n".join(f"{word:x}" for word in words))
 
 
 def synthesize_ecp5(folder, read, top):
