@@ -163,8 +163,8 @@ def read(path, unit=None):
 
     Refused by name are compensation of the radius, cycles of lathes, turned, scaled or shifted axes, rounded
     corners, probes, macros and what a file does not hold; also CIP, CT and POLY of Siemens, CALL, LP, CT,
-    RND, FU, FZ and M103 of Heidenhain. Another axis, orders of a printer and a position of the machine are
-    left out with a warning.
+    RND, FU, FZ and M103 of Heidenhain. Another axis, orders of a printer, a position of the machine and a
+    program that nothing calls are left out with a warning.
 
     The time grows in proportion to the size of the file. STEP and IGES files are read in a process of
     their own, which is stopped after 60 s and 2 s for each megabyte, or beyond 4 GB of memory.

@@ -40,6 +40,7 @@ class Flow:
             elif line[:1] == "O" and self.words:
                 self._refuse(place, "is no line of o-words")
         self.parameters.fanuc = FANUC if self.programs else {}
+        self.unread = set(self.programs.values())  # places of programs that nothing has called
         self._pair()
 
     def _pair(self):
@@ -83,6 +84,7 @@ class Flow:
         self.left -= 1
         if self.left < 0:
             raise ValueError(f"more than {MOST_BLOCKS:,} blocks are repeated; end its loops")
+        self.unread.discard(self.place)
         if self.place not in self.words:
             return False
         place, (name, word, rest) = self.place, self.words[self.place]
@@ -171,6 +173,7 @@ class Flow:
         number = str(number)
         if number not in self.programs or not 0 <= times <= MOST_CALLS - len(self.frames):
             raise ValueError(f"M98 P{number} calls a program of another file, or too many; write it out")
+        self.unread.discard(self.programs[number])
         if times:
             self.frames += [(self.place, None, {})] + (times - 1) * [(self.programs[number], None, {})]
             self.place = self.programs[number]

@@ -14,21 +14,12 @@ from collections import Counter, defaultdict
 import numpy as np
 
 from nurbs_lab.interchange import _gcode_table as table
+from nurbs_lab.interchange import _gcode_words as spelling
 from nurbs_lab.interchange._gcode_commands import OTHER_AXES, PLACED, POLAR, Commands
 from nurbs_lab.interchange._gcode_flow import Flow
 from nurbs_lab.interchange._gcode_shapes import AXES, MOST_COORDINATE, WORDS, shown_words
 from nurbs_lab.interchange._gcode_table import LETTERED
-from nurbs_lab.interchange._gcode_words import (
-    LATHE,
-    MACRO,
-    MILL,
-    ORDER,
-    PRINTED,
-    PRINTER,
-    lines_of,
-    shown,
-    words_of,
-)
+from nurbs_lab.interchange._gcode_words import lines_of, shown, words_of
 from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_curve
 from nurbs_lab.machining.program import Program
 from nurbs_lab.mesh.formats.shape import as_utf8
@@ -66,11 +57,12 @@ class _Interpreter(Commands):
         self.feed, self.feed_length, self.feed_unit, self.per = NO_FEED, 1.0, 1 / 60, "minute"
         self.spindle, self.surface, self.diameter = 0.0, False, False
         self.cycle, self.hole, self.level, self.retract, self.saved = 0, {}, 0.0, None, {}
+        self.by_steps = False  # whether the heights of the cycle are
         self.holes, self.due = None, False  # a cycle that blocks elsewhere call, and whether this one does
         self.heidenhain = head is not None
         text = "" if self.heidenhain else "\n".join(lines)
-        self.printed = PRINTER.search(text)
-        self.lathe = not (self.printed or MILL.search(text)) and LATHE.search(text)
+        self.printed = spelling.PRINTER.search(text)
+        self.lathe = not (self.printed or spelling.MILL.search(text)) and spelling.LATHE.search(text)
         self.plane = 18 if self.lathe else 17
         self.orders = Counter()  # of a printer
         self.fanuc = bool(self.flow.programs) or any("G54.1" in line or "G154" in line for line in lines)
@@ -125,6 +117,8 @@ class _Interpreter(Commands):
         turned = self.lathe or 960 in self.codes or (990 in self.codes and turning)
         if turned and not self.codes >= {70, 950}:
             yield "G96, G99 or T0101 is of a lathe; without G7 and G95 X is a radius and F by the minute"
+        if unread := [f"O{name}" for name, place in self.flow.programs.items() if place in self.flow.unread]:
+            yield f"its programs {', '.join(unread)} are not called, and left out"
         if self.loose:
             apart, line = max(self.loose)
             yield f"{len(self.loose)} of its arcs miss their ends by up to {apart:.3g} mm, in line {line}"
@@ -222,7 +216,8 @@ class _Interpreter(Commands):
 
     def _is_of_printers(self, text):
         """Leave out an order of a printer, and forget where the axes are that it may have moved."""
-        order = MACRO.match(text) or ORDER.match(text) or (self.printed and PRINTED.match(text))
+        either = spelling.MACRO.match(text) or spelling.ORDER.match(text)
+        order = either or (self.printed and spelling.PRINTED.match(text))
         if order and order[1][0] == "G" and order[1][1].isdigit():
             code = round(10 * float(order[1][1:]))
             if code in table.OF_PRINTERS:

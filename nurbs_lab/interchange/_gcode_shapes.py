@@ -238,18 +238,22 @@ class Shapes:
         """A canned cycle: over each place, down to R, to Z in steps of Q, and back up."""
         axis = PLANES[self.plane][2]
         peck, slowly, own = table.CYCLES[self.cycle]
+        steps, given = not self.absolute, block.keys() & {AXES[axis], "R"}
+        if steps != self.by_steps and not (given or self.fanuc):
+            self.left_out["G91", "taken for the heights of the cycle before, too, which Fanuc keeps"] += 1
+        if given or not self.fanuc:
+            self.by_steps = steps
+        base = self.level if self.by_steps else self._absolute(axis, 0.0)
         self.hole |= {letter: block.pop(letter) for letter in (AXES[axis], *own) if letter in block}
         hole = {letter: self.unit * value for letter, value in self.hole.items()}
-        if self.plane == 17 and "L" not in block and "K" in block:
-            block["L"] = block.pop("K")  # of Fanuc
-        times = block.pop("L", 1)
+        times = block.pop("L" if self.plane != 17 or "L" in block else "K", 1)  # K is Fanuc's
         if not all(abs(value) <= MOST_COORDINATE for value in hole.values()):
             raise ValueError(f"its words go beyond {MOST_COORDINATE:g} mm; mend them")
         if not {AXES[axis], "R"} <= hole.keys() or (peck and not hole.get("Q", 0) > 0) or self.per == "move":
             raise ValueError(f"the cycle needs {AXES[axis]} and R, and Q if it pecks, but no G93; mend it")
-        top = hole["R"] + (self._absolute(axis, 0.0) if self.absolute else self.level)
-        bottom = hole[AXES[axis]] + (self._absolute(axis, 0.0) if self.absolute else top)
-        known = self.known[axis] if self.absolute else self.known[axis] is not None
+        top = hole["R"] + base
+        bottom = hole[AXES[axis]] + (top if self.by_steps else base)
+        known = self.known[axis] is not None if self.by_steps else self.known[axis]
         level = max(top, self.level) if known and self.retract != "R" else top
         if not known and self.retract != "R":
             why = "from a height that the program does not say, and comes back to R"
@@ -263,7 +267,7 @@ class Shapes:
             raise ValueError(f"its hole is above R, or takes more than {MOST_PECKS} steps; mend it")
         if not known or self.level < top:
             self._along(axis, top, known)
-            self.known[axis] = self.absolute or self.known[axis]
+            self.known[axis] = not self.by_steps or self.known[axis]
         for _ in range(int(times)):
             end, known = self._target(rest := dict(block))
             if rest:
@@ -283,7 +287,7 @@ class Shapes:
 
     def _bore_here(self):
         """A hole of a cycle that was defined before; its heights are of the program, its feed is its own."""
-        names = "cycle", "hole", "level", "retract", "absolute", "feed"
+        names = "cycle", "hole", "level", "retract", "absolute", "by_steps", "feed"
         before = {name: getattr(self, name) for name in names}
         axis, (cycle, words) = PLANES[self.plane][2], self.holes
         if "K" in words:

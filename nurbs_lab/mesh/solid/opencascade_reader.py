@@ -9,18 +9,10 @@ import os
 import pickle
 import sys
 
+from OCP import Geom
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve
 from OCP.BRepTools import BRepTools
-from OCP.Geom import (
-    Geom_BSplineCurve,
-    Geom_BSplineSurface,
-    Geom_Line,
-    Geom_Plane,
-    Geom_RectangularTrimmedSurface,
-    Geom_SurfaceOfLinearExtrusion,
-    Geom_TrimmedCurve,
-)
 from OCP.GeomConvert import GeomConvert
 from OCP.IFSelect import IFSelect_RetDone
 from OCP.IGESControl import IGESControl_Reader
@@ -69,8 +61,8 @@ def parts(shape, kind, outside=TopAbs_SHAPE):
 def from_edge(edge):
     piece = BRepAdaptor_Curve(edge)
     curve = BRep_Tool.Curve_s(edge, 0.0, 0.0)
-    if not isinstance(curve, Geom_BSplineCurve):
-        curve = Geom_TrimmedCurve(curve, piece.FirstParameter(), piece.LastParameter())
+    if not isinstance(curve, Geom.Geom_BSplineCurve):
+        curve = Geom.Geom_TrimmedCurve(curve, piece.FirstParameter(), piece.LastParameter())
     curve = GeomConvert.CurveToBSplineCurve_s(curve)
     curve.SetNotPeriodic()  # its knots then reach beyond the domain
     poles = range(1, curve.NbPoles() + 1)
@@ -83,17 +75,17 @@ def from_edge(edge):
 
 
 def is_flat(surface):
-    extruded = isinstance(surface, Geom_SurfaceOfLinearExtrusion)
-    return isinstance(surface.BasisCurve() if extruded else surface, (Geom_Line, Geom_Plane))
+    extruded = isinstance(surface, Geom.Geom_SurfaceOfLinearExtrusion)
+    return isinstance(surface.BasisCurve() if extruded else surface, (Geom.Geom_Line, Geom.Geom_Plane))
 
 
 def from_face(face):
     surface = BRep_Tool.Surface_s(face)
-    if not isinstance(surface, Geom_BSplineSurface):
-        if isinstance(surface, Geom_RectangularTrimmedSurface):
+    if not isinstance(surface, Geom.Geom_BSplineSurface):
+        if isinstance(surface, Geom.Geom_RectangularTrimmedSurface):
             surface = surface.BasisSurface()
         bounds = within(BRepTools.UVBounds_s(face), surface)
-        surface = Geom_RectangularTrimmedSurface(surface, *bounds)
+        surface = Geom.Geom_RectangularTrimmedSurface(surface, *bounds)
     surface = GeomConvert.SurfaceToBSplineSurface_s(surface)
     surface.SetUNotPeriodic()
     surface.SetVNotPeriodic()

@@ -173,3 +173,23 @@ def test_cycles_come_from_the_height_before_the_first_of_them(tmp_path):
 def test_cycles_are_repeated_by_l_or_as_on_a_fanuc_by_k(tmp_path, word):
     moves = program(tmp_path, START + f"G0 Z9\nG91 G99 G81 X10 Z-3 R-8 {word}\nM2").moves
     np.testing.assert_allclose(ends(m for m in moves if m.kind == "cut")[:, 0], [10, 20, 30])
+
+
+@pytest.mark.parametrize(("begin", "heights"), [("%\nO5\n", [2, -5]), ("", [22, 17])])
+def test_heights_of_a_cycle_stay_absolute_in_g91_on_a_fanuc(tmp_path, recwarn, begin, heights):
+    """And become steps in LinuxCNC, which is said; those that G91 gives are steps on both."""
+    text = "G0 Z20\nG99 G81 X5 Z-5 R2\nG91 X10 L2\nX5 Z-1 R-19\nG90 X40 Z-5 R2\nM30\n"
+    moves = program(tmp_path, begin + START + text + "%" * bool(begin)).moves
+    cuts = np.array([move.curve(move.curve.domain) for move in moves if move.kind == "cut"])
+    np.testing.assert_allclose(cuts[:, 0, 0], [5, 15, 25, 30, 40])
+    np.testing.assert_allclose(cuts[:, :, 2], [[2, -5], heights, heights, [1, 0], [2, -5]])
+    assert sum("which Fanuc keeps" in str(one.message) for one in recwarn) == (not begin)
+
+
+def test_programs_that_nothing_calls_are_named(tmp_path, recwarn):
+    text = "%\nO1\n" + START + "M98 P0003\nM30\nO2\nG1 X9\nM30\nO0003\nG1 X1\nM99\nO4 (none)\nM30\n%"
+    (move,) = program(tmp_path, text).moves
+    np.testing.assert_array_equal(ends([move]), [(1, 0, 0)])
+    assert [str(one.message) for one in recwarn] == [
+        "path: part.ngc: its programs O2, O4 are not called, and left out"
+    ]
