@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_kind, as_positive, extent
+from nurbs_lab.common.checks import as_kind, as_positive, extent, freeze
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import body_contacts
@@ -109,7 +109,8 @@ def finish(
     stock = as_stock(after.stock if after is not None and stock is None else stock, part)
     require_inside(part, stock, cutter)
     material = material_of(stock, cutter, after)
-    begun = stock if after is None else replace(material.field, z=material.field.z.copy())
+    left = {name: freeze(getattr(material.field, name).copy()) for name in ("origin", "z")}
+    begun = stock if after is None else replace(material.field, **left)
     fitting = Fitting(part, cutter, tolerance)
     bare = fitting.touch(0.25)  # a margin, as links are checked at points only
     ways = ways_over(bare, material, floor, max(high, material.field.z.max()), feed, machine)

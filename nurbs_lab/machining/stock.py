@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 from scipy.ndimage import maximum_filter
 
-from nurbs_lab.common.checks import as_floats, as_not_negative, lengths
+from nurbs_lab.common.checks import as_floats, as_not_negative, freeze, lengths
 from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import NEEDLE, Contact, contact
@@ -75,12 +75,12 @@ def as_stock(stock, part=None):
     By default it is the box of the part.
     """
     if stock is None and part is not None:
-        return part.bounds.copy()
+        return part.bounds
     stock = getattr(stock, "field", stock)  # what `simulate` returns
     if isinstance(stock, TipField):
         return stock
     if isinstance(stock, (np.ndarray, list, tuple)):
-        block = as_floats("stock", stock)
+        block = freeze(as_floats("stock", stock))
         if block.shape != (2, 3) or not (block[0] < block[1]).all():
             raise ValueError(f"stock as a block is its least and its largest corner, (2, 3), got {stock!r}")
         return block

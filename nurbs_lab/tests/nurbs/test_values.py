@@ -69,6 +69,20 @@ def test_results_too_are_equal_by_content_and_frozen_from_the_start():
             assert hash(value) == hash(same) == hash(other)
 
 
+def test_the_stock_of_a_program_is_frozen_and_the_callers_stays_his():
+    ball, given = trimesh.creation.icosphere(subdivisions=2, radius=4.0), np.array([[-5.0] * 3, [5.0] * 3])
+    cutter, fine = nl.Cutter("ball", diameter=4.0), {"scallop": 0.5, "tolerance": 0.1}
+    first = nl.finish(ball, cutter, stock=given, **fine)
+    assert_array_equal(first.stock, given)
+    programs = [first, nl.finish(ball, cutter, **fine)]
+    programs += [nl.finish(ball, nl.Cutter("ball", diameter=2.0), scallop=0.1, tolerance=0.05, after=first)]
+    programs += [nl.rough(ball, given, nl.Cutter("flat", diameter=3.0), step_down=2.0, stock_to_leave=0.3)]
+    for program in programs:
+        assert not any(array.flags.writeable for array in arrays_of(program.stock))
+    given[0] = -9.0
+    assert first.stock[0, 0] == -5.0
+
+
 def test_closed_curves_and_surfaces_go_round():
     assert_allclose(LOOP(np.array([-0.25, 1.25, 7.5])), LOOP(np.array([0.75, 0.25, 0.5])), atol=1e-14)
     assert_allclose(LOOP.derivative(1.25), LOOP.derivative(0.25), atol=1e-12)
