@@ -9,6 +9,7 @@ from math import atan2, floor, sqrt, tau
 import numpy as np
 
 from nurbs_lab.common.kernels import compiled, inlined
+from nurbs_lab.mesh._kernels_distance import cross, dot, less
 
 BOUNDARY, MANY, AGAINST = 1, 2, 3  # kinds of half-edges, see `MeshGraph`; 0 is a regular one
 SAME_ANGLE = 1e-9
@@ -83,12 +84,6 @@ def sorted_order(keys):
     return order
 
 
-@inlined
-def step(vertices, i, j):
-    """The vector from one vertex to another."""
-    return vertices[j, 0] - vertices[i, 0], vertices[j, 1] - vertices[i, 1], vertices[j, 2] - vertices[i, 2]
-
-
 @compiled
 def pair_fan(fan, triangles, vertices, body, low, high, opposite):
     """Pair the half-edges of a non-manifold edge so that a pair encloses material; an odd one stays alone.
@@ -99,17 +94,17 @@ def pair_fan(fan, triangles, vertices, body, low, high, opposite):
     """
     k = len(fan)
     closes, turns = np.empty(k, np.bool_), np.empty(k)
-    ax, ay, az = step(vertices, low, high)
-    size = max(sqrt(ax * ax + ay * ay + az * az), 1e-300)  # nothing is paired where no place is known
+    axis = less(vertices[high], vertices[low])
+    size = max(sqrt(dot(axis, axis)), 1e-300)  # nothing is paired where no place is known
     for i in range(k):
         f, e = fan[i] // 3, fan[i] % 3
         closes[i] = triangles[f, e] == low
-        x, y, z = step(vertices, low, triangles[f, (e + 2) % 3])
+        out = less(vertices[triangles[f, (e + 2) % 3]], vertices[low])
         if i == 0:  # the two directions across the edge from which angles are measured
-            along = (x * ax + y * ay + z * az) / size / size
-            px, py, pz = x - along * ax, y - along * ay, z - along * az
-            qx, qy, qz = (ay * z - az * y) / size, (az * x - ax * z) / size, (ax * y - ay * x) / size
-        turn = atan2(x * qx + y * qy + z * qz, x * px + y * py + z * pz) % tau
+            along, normal = dot(out, axis) / size / size, cross(axis, out)
+            first = less(out, (along * axis[0], along * axis[1], along * axis[2]))
+            second = (normal[0] / size, normal[1] / size, normal[2] / size)
+        turn = atan2(dot(out, second), dot(out, first)) % tau
         turn = turn if turn < tau - SAME_ANGLE else 0.0
         turns[i] = 2.0 * floor(turn / SAME_ANGLE + 0.5)
         if closes[i]:  # before one opens, and in the other order, so that the last opened closes first

@@ -20,6 +20,18 @@ def less(a, b):
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
+@kernel
+def cross(a, b):
+    """Vector product of two triples."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+@kernel
+def triple(rows, i, k=0):
+    """Three numbers of a row, such as corner k of triangle i."""
+    return (rows[i, 3 * k], rows[i, 3 * k + 1], rows[i, 3 * k + 2])
+
+
 @inlined
 def squared_distance_to_triangle(p, a, b, c):
     """By the region of the triangle nearest to p (Ericson, Real-Time Collision Detection, 5.1.5)."""
@@ -74,26 +86,17 @@ def nearest(points, directions, corners, normals, boxes, names, out):
     gaps = np.empty(128)
     last = 0
     for i in range(len(points)):
-        p = (points[i, 0], points[i, 1], points[i, 2])
+        p = triple(points, i)
         best = most = np.inf  # what is equal but for rounding ends at most
         out[i] = -1
         start, stop = last, last + 1
         stack[0], gaps[0], depth = 0, 0.0, 1
         while True:
             for f in range(start, stop):
-                if directed and not (
-                    directions[i, 0] * normals[f, 0]
-                    + directions[i, 1] * normals[f, 1]
-                    + directions[i, 2] * normals[f, 2]
-                    > 0.0
-                ):
+                if directed and not dot(triple(directions, i), triple(normals, f)) > 0.0:
                     continue
-                gap = squared_distance_to_triangle(
-                    p,
-                    (corners[f, 0], corners[f, 1], corners[f, 2]),
-                    (corners[f, 3], corners[f, 4], corners[f, 5]),
-                    (corners[f, 6], corners[f, 7], corners[f, 8]),
-                )
+                a, b, c = triple(corners, f, 0), triple(corners, f, 1), triple(corners, f, 2)
+                gap = squared_distance_to_triangle(p, a, b, c)
                 if gap > most:
                     continue
                 if out[i] < 0 or names[f] < out[i] or (np.sqrt(gap) + rounding) ** 2 < best:
@@ -120,9 +123,7 @@ def nearest(points, directions, corners, normals, boxes, names, out):
 @kernel
 def orientation(a, b, c, d):
     """Six times the signed volume of a tetrahedron."""
-    p, q, r = less(a, d), less(b, d), less(c, d)
-    x, y, z = q[1] * r[2] - q[2] * r[1], q[2] * r[0] - q[0] * r[2], q[0] * r[1] - q[1] * r[0]
-    return p[0] * x + p[1] * y + p[2] * z
+    return dot(less(a, d), cross(less(b, d), less(c, d)))
 
 
 @inlined
@@ -132,12 +133,6 @@ def passes_through(p, q, a, b, c):
         return False
     x, y, z = orientation(p, q, a, b), orientation(p, q, b, c), orientation(p, q, c, a)
     return (x > 0.0 and y > 0.0 and z > 0.0) or (x < 0.0 and y < 0.0 and z < 0.0)
-
-
-@kernel
-def corner(corners, f, k):
-    """Corner k of triangle f as a triple."""
-    return (corners[f, 3 * k], corners[f, 3 * k + 1], corners[f, 3 * k + 2])
 
 
 @compiled
@@ -174,8 +169,8 @@ def crossed_by(corners, names, boxes, first, out):
                     joined = joined or names[i, k // 3] == names[j, k % 3]
                 if joined:
                     continue
-                a, b, c = corner(corners, j, 0), corner(corners, j, 1), corner(corners, j, 2)
+                a, b, c = triple(corners, j, 0), triple(corners, j, 1), triple(corners, j, 2)
                 for k in range(3):
-                    p, q = corner(corners, i, k), corner(corners, i, (k + 1) % 3)
+                    p, q = triple(corners, i, k), triple(corners, i, (k + 1) % 3)
                     if passes_through(p, q, a, b, c):
                         out[i - first] = j

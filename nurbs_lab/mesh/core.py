@@ -198,9 +198,9 @@ def tails_and_heads(faces):
     return faces.ravel(), np.roll(faces, -1, axis=1).ravel()
 
 
-def edges_and_ways(triangles, halves):
+def edges_and_ways(faces, halves):
     """Numbers of the edges of half-edges, and 1 for each that runs to the higher vertex, else -1."""
-    tails, heads = (ends[halves] for ends in tails_and_heads(triangles))
+    tails, heads = (ends[halves] for ends in tails_and_heads(faces))
     ends = np.sort(np.column_stack([tails, heads]), axis=1)
     return np.unique(ends, axis=0, return_inverse=True)[1], np.where(tails < heads, 1, -1)
 
@@ -215,6 +215,13 @@ def bodies_of(opposite):
     """Number of parts of a mesh that hang together across edges; the part of every triangle."""
     halves = np.flatnonzero(opposite >= 0)
     return components(len(opposite) // 3, halves // 3, opposite[halves] // 3)
+
+
+def fans(opposite, joined, corners=3):
+    """Number of fans of faces around vertices; the fan of every corner, across the half-edges ``joined``."""
+    halves = np.flatnonzero(joined)
+    across = opposite[halves]
+    return components(len(opposite), halves, across - across % corners + (across + 1) % corners)
 
 
 def face_normals(vertices, triangles) -> np.ndarray:

@@ -4,6 +4,7 @@ import warnings
 from pathlib import Path
 
 import numpy as np
+import trimesh
 
 from nurbs_lab.common.checks import as_choice, as_file, as_floats, extent, require_finite
 from nurbs_lab.mesh.formats import shape_in
@@ -118,6 +119,4 @@ def _checked(vertices, triangles):
 
 def without_cache(mesh):
     """A mesh as it is sent to a worker: trimesh remembers four times as much as it needs."""
-    import trimesh
-
     return mesh.copy(include_cache=False) if isinstance(mesh, trimesh.Trimesh) else mesh

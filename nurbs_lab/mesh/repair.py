@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+import trimesh
 from scipy.spatial import cKDTree
 
 from nurbs_lab.common.checks import counted, extent, shown_place
@@ -14,6 +15,7 @@ from nurbs_lab.mesh.core import (
     edges_and_ways,
     enclosed_volume,
     face_normals,
+    fans,
     linked,
     mesh_graph,
     opposite_of,
@@ -78,8 +80,6 @@ def repair_mesh(mesh):
     >>> whole.is_watertight, whole.metadata["repairs"]
     (True, ('1 pinhole filled',))
     """
-    import trimesh
-
     surfaces, repairs = closed_surfaces(mesh_graph(mesh))
     return trimesh.Trimesh(*_joined(surfaces), process=False, metadata={"repairs": repairs})
 
@@ -267,9 +267,7 @@ def _flattest(vertices, line, beside):
 
 def _one_fan_a_vertex(graph):
     """Part vertices where several fans of triangles touch; leave out vertices that no triangle has."""
-    halves = np.arange(len(graph.opposite))
-    across = np.where(graph.opposite % 3 < 2, graph.opposite + 1, graph.opposite - 2)  # from the same vertex
-    count, label = components(len(halves), halves, across)
+    count, label = fans(graph.opposite, graph.opposite >= 0)
     owner = np.empty(count, dtype=np.int64)
     owner[label] = graph.triangles.ravel()
     corners, opposite = label.reshape(-1, 3).astype(np.int64), graph.opposite.astype(np.int64)
@@ -348,9 +346,7 @@ def around_of(parts):
 
 def _joined(surfaces):
     """Vertices and triangles of all surfaces."""
-    begins = np.cumsum([0, *(len(one.vertices) for one in surfaces)])[:-1]
-    corners = np.concatenate([one.triangles + b for one, b in zip(surfaces, begins, strict=True)])
-    return np.concatenate([one.vertices for one in surfaces]), corners
+    return trimesh.util.append_faces([one.vertices for one in surfaces], [one.triangles for one in surfaces])
 
 
 def _compared(surfaces, doubled, size, repairs):

@@ -6,6 +6,7 @@ from io import BytesIO
 from xml.etree import ElementTree
 
 import numpy as np
+import trimesh
 
 from nurbs_lab.mesh.formats.shape import Shape
 
@@ -52,11 +53,8 @@ def read_3mf(data):
             add(_path_of(item, root), item.get("objectid"), _placing(item))
         _require_known(model(root), "unit", "requiredextensions", "recommendedextensions")
         unit = model(root).get("unit", "millimeter")
-    points = np.concatenate([points for points, _ in parts] or [np.empty((0, 3))])
-    begins = np.cumsum([0, *(len(points) for points, _ in parts)])
-    corners = [corners + begin for (_, corners), begin in zip(parts, begins, strict=False)]
-    corners = np.concatenate(corners or [np.empty(0, np.int64)])
-    return Shape(points, np.full(len(corners) // 3, 3), corners, unit, tuple(left_out))
+    points, corners = trimesh.util.append_faces([part[0] for part in parts], [part[1] for part in parts])
+    return Shape(points, np.full(len(corners), 3), corners.ravel(), unit, tuple(left_out))
 
 
 def _path_of(item, name):
@@ -94,12 +92,10 @@ def _3mf_mesh(mesh, placed):
     if corners.size and not 0 <= corners.min() <= corners.max() < len(points):
         raise ValueError(f"a corner of a triangle is no number of one of the {len(points)} vertices")
     turned = np.linalg.det(placed[:3, :3]) < 0.0
-    return points @ placed[:3, :3] + placed[3, :3], corners.reshape(-1, 3)[:, :: -1 if turned else 1].ravel()
+    return points @ placed[:3, :3] + placed[3, :3], corners.reshape(-1, 3)[:, :: -1 if turned else 1]
 
 
 def read_glb(data):
-    import trimesh
-
     if data[:8] != b"glTF\2\0\0\0" or int.from_bytes(data[8:12], "little") != len(data):
         raise ValueError("it does not begin as a GLB file of version 2 does, or not with its own length")
     head = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])

@@ -16,7 +16,6 @@ from nurbs_lab.mesh.solid._kernels_ring import (
     FREE,
     MOST_NEIGHBOURS,
     ON_CURVE,
-    Coarse,
     after,
     area_vector,
     before,
@@ -33,21 +32,6 @@ from nurbs_lab.mesh.solid._kernels_ring import (
 )
 
 LEAST_SINE = 0.1  # of an angle of a flattened triangle
-
-
-@compiled
-def coarse_mesh(vertices, kinds, triangles, opposite, sharp):
-    """A mesh that can be coarsened; its triangles and half-edges will change in place."""
-    m = len(triangles)
-    out, length = np.empty(len(vertices), np.int64), np.empty(3 * m)
-    for f in range(m):
-        for e in range(3):
-            out[triangles[f, e]] = 3 * f + e
-            length[3 * f + e] = distance(vertices, triangles[f, e], triangles[f, (e + 1) % 3])
-    return Coarse(
-        vertices, kinds, out, triangles, np.ones(m, np.bool_), opposite, sharp, np.arange(3 * m),
-        length,
-    )  # fmt: skip
 
 
 @compiled
@@ -143,7 +127,7 @@ def coarsen(mesh, weight, most_cost, least_chord):
     """Collapse vertices for as long as the cost stays below ``most_cost``, in mm squared.
 
     The chord of an edge is at least ``least_chord`` times the length of the sharp curve that it stands for.
-    ``mesh`` is a `coarse_mesh` and changes in place. Returns the log of collapses
+    ``mesh`` is a `Coarse` and changes in place. Returns the log of collapses
     for `_kernels_feet.trace_back`. A collapse takes a vertex off, so there are fewer collapses than vertices.
     """
     weight, stamp = weight.copy(), np.zeros(len(mesh.vertices), np.int64)

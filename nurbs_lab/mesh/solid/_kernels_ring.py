@@ -6,6 +6,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from nurbs_lab.common.kernels import compiled, inlined
+from nurbs_lab.mesh._kernels_distance import cross, dot, less
 
 MOST_NEIGHBOURS = 400
 FREE, ON_CURVE, CORNER = 0, 1, 2
@@ -55,27 +56,20 @@ def ring_of(triangles, opposite, start, halves, ring):
 @compiled
 def distance(vertices, a, b):
     """Distance of two vertices."""
-    x = vertices[a, 0] - vertices[b, 0]
-    y = vertices[a, 1] - vertices[b, 1]
-    z = vertices[a, 2] - vertices[b, 2]
-    return np.sqrt(x * x + y * y + z * z)
+    step = less(vertices[a], vertices[b])
+    return np.sqrt(dot(step, step))
 
 
 @compiled
 def area_vector(vertices, a, b, c):
     """Twice the area of a triangle, along its normal."""
-    p, q, r = vertices[a], vertices[b], vertices[c]
-    x1, y1, z1 = q[0] - p[0], q[1] - p[1], q[2] - p[2]
-    x2, y2, z2 = r[0] - p[0], r[1] - p[1], r[2] - p[2]
-    return y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2
+    return cross(less(vertices[b], vertices[a]), less(vertices[c], vertices[a]))
 
 
 @inlined
 def keeps_side(old, new):
     """Whether two area vectors point about the same way."""
-    along = old[0] * new[0] + old[1] * new[1] + old[2] * new[2]
-    sizes = (old[0] ** 2 + old[1] ** 2 + old[2] ** 2) * (new[0] ** 2 + new[1] ** 2 + new[2] ** 2)
-    return along > LEAST_COSINE * np.sqrt(sizes)
+    return dot(old, new) > LEAST_COSINE * np.sqrt(dot(old, old) * dot(new, new))
 
 
 @inlined
@@ -102,12 +96,12 @@ def quadrics_of(vertices, triangles):
     quadrics = np.zeros((len(vertices), 11))
     for f in range(len(triangles)):
         a, b, c = triangles[f]
-        x, y, z = area_vector(vertices, a, b, c)
-        area = np.sqrt(x * x + y * y + z * z)
+        vector = area_vector(vertices, a, b, c)
+        area = np.sqrt(dot(vector, vector))
         if area == 0.0:
             continue
-        x, y, z = x / area, y / area, z / area
-        d = -(x * vertices[a, 0] + y * vertices[a, 1] + z * vertices[a, 2])
+        x, y, z = vector[0] / area, vector[1] / area, vector[2] / area
+        d = -dot((x, y, z), vertices[a])
         terms = (x * x, x * y, x * z, x * d, y * y, y * z, y * d, z * z, z * d, d * d, 1.0)
         for v in (a, b, c):
             for k in range(10):

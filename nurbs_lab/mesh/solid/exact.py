@@ -36,7 +36,7 @@ from OCP.TopTools import TopTools_HSequenceOfShape
 _PLACES = 8, 400  # on a curve: at first, and at most
 
 
-def shell_of(points, triangles, label, found, scale):
+def shell_of(points, triangles, label, surfaces, scale):
     """The closed shell whose faces are the regions of a mesh; None if OpenCASCADE finds it not valid.
 
     Parameters
@@ -45,38 +45,38 @@ def shell_of(points, triangles, label, found, scale):
         Of a closed mesh with a size of about one.
     label : (triangles,) array
         Numbers of the regions.
-    found : list of Found
-        The surface of every region, and on which side of it the material is.
+    surfaces : list of Quadric
+        That of every region.
     scale : (float, (3,) array)
         Factor and translation to the units of the shell.
     """
-    chains, builder, surfaces = chains_of(triangles, label), BRep_Builder(), [one.surface for one in found]
+    chains, builder = chains_of(triangles, label), BRep_Builder()
     around, places, vertices, edges = {}, {}, {}, [[] for _ in surfaces]
-    for chain in chains:
-        for v in chain.ends:
-            around.setdefault(v, set()).update(chain.regions)
+    for regions, along in chains:
+        for v in (along[0], along[-1]):
+            around.setdefault(v, set()).update(regions)
     for v, regions in around.items():
         places[v] = onto([surfaces[k] for k in sorted(regions)], points[[v]])[0]
         vertices[v] = TopoDS_Vertex()
         builder.MakeVertex(vertices[v], _point(places[v] * scale[0] + scale[1]), 2.0 * oc.CONFUSION)
-    for chain in chains:
-        line, (first, last) = points[chain.vertices], chain.ends
+    for regions, along in chains:
+        line, first, last = points[along], along[0], along[-1]
         line[0], line[-1] = places[first], places[last]
-        geometry, reach, off = _curve_along([surfaces[k] for k in chain.regions], line, first == last, scale)
+        geometry, reach, off = _curve_along([surfaces[k] for k in regions], line, first == last, scale)
         edge, tolerance = TopoDS_Edge(), max(oc.CONFUSION, 1.1 * off)
         builder.MakeEdge(edge, geometry, TopLoc_Location(), tolerance)
         for v, side in ((first, TopAbs_FORWARD), (last, TopAbs_REVERSED)):
             builder.Add(edge, vertices[v].Oriented(side))
             builder.UpdateVertex(vertices[v], 2.0 * tolerance)
         builder.Range(edge, *map(float, reach))
-        for region, left in zip(chain.regions, (True, False), strict=True):
-            side = TopAbs_FORWARD if left == (found[region].sign > 0.0) else TopAbs_REVERSED
+        for region, left in zip(regions, (True, False), strict=True):
+            side = TopAbs_FORWARD if left == (surfaces[region].sign > 0.0) else TopAbs_REVERSED
             edges[region].append(edge.Oriented(side))
     shell = TopoDS_Shell()
     builder.MakeShell(shell)
     for region, surface in enumerate(surfaces):
         face = _face(builder, _surface_of(surface, scale), edges[region])
-        builder.Add(shell, face if found[region].sign > 0.0 else face.Reversed())
+        builder.Add(shell, face if surface.sign > 0.0 else face.Reversed())
     fix = ShapeFix_Shape(shell)
     fix.Perform()
     shells = list(oc.parts(fix.Shape(), TopAbs_SHELL))

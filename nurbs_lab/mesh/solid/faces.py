@@ -1,7 +1,7 @@
 """A face of a solid: a surface and the loops of curves that bound it; what kinds of faces a solid has."""
 
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -62,18 +62,6 @@ class Face(Value):
         super().__post_init__()
         if self.kind not in KINDS:
             raise ValueError(f"kind is {self.kind!r}; give one of {', '.join(KINDS)}")
-
-    def scaled(self, size):
-        """The same face, larger by a factor about the origin."""
-        matrix = size * np.eye(3)
-        names = "point", "radius", "major_radius"
-        sizes = {name: getattr(self, name) for name in names}
-        return replace(
-            self,
-            surface=self.surface.transform(matrix),
-            loops=tuple(tuple(curve.transform(matrix) for curve in loop) for loop in self.loops),
-            **{name: value * size for name, value in sizes.items() if value is not None},
-        )
 
 
 def patch(surface: NurbsSurface) -> Face:

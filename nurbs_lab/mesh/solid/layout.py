@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common.values import Value
-from nurbs_lab.mesh.core import tails_and_heads
+from nurbs_lab.mesh.core import edges_and_ways, tails_and_heads
 from nurbs_lab.mesh.solid import _kernels_layout, _kernels_ring, quads
 from nurbs_lab.mesh.solid.faces import ALONG
 from nurbs_lab.mesh.solid.features import Surfels
@@ -90,9 +90,14 @@ def lay_out(mesh: Surfels, weight, most_cost, most_faces) -> tuple[Layout, Chart
     coarse triangles: to join so many to faces can take a minute.
     """
     triangles, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
-    coarse = _kernels_layout.coarse_mesh(mesh.vertices, mesh.kinds, triangles, opposite, sharp)
+    alive, begin, out = np.ones(len(triangles), dtype=bool), np.arange(len(sharp)), np.empty_like(mesh.kinds)
+    tails, heads = tails_and_heads(triangles)
+    out[tails] = begin
+    length = np.linalg.norm(mesh.vertices[heads] - mesh.vertices[tails], axis=1)
+    coarse = _kernels_ring.Coarse(
+        mesh.vertices, mesh.kinds, out, triangles, alive, opposite, sharp, begin, length
+    )
     log = _kernels_layout.coarsen(coarse, weight, most_cost, mesh.least_chord)
-    alive, begin = coarse.alive, coarse.begin
     if alive.sum() > 2 * most_faces:
         return None
     triangle = np.cumsum(alive) - 1
@@ -139,11 +144,8 @@ def _layout(fixed, corners, sharp, curves):
     """Number the edges of quadrilaterals."""
     used, corners = np.unique(corners, return_inverse=True)
     fixed, corners = fixed[used], corners.reshape(-1, 4)
-    tails, heads = tails_and_heads(corners)
-    pairs = np.column_stack([np.minimum(tails, heads), np.maximum(tails, heads)])
-    _, edges = np.unique(pairs, axis=0, return_inverse=True)
-    forward = tails < heads
-    count = int(edges.max()) + 1
+    edges, ways = edges_and_ways(corners, np.arange(corners.size))
+    count, forward = int(edges.max()) + 1, ways > 0
     if len(edges) != 2 * count or np.bincount(edges[forward], minlength=count).max() != 1:
         raise ArithmeticError("the layout is not a closed surface")
     sides = np.empty((count, 2), dtype=np.int64)

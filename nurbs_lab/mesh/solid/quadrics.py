@@ -19,13 +19,17 @@ _CROSS = np.cross(np.eye(3)[:, None], np.eye(3)).reshape(3, 9)  # the vector pro
 
 @dataclass(frozen=True)
 class Quadric:
-    """One surface. ``radius`` is that of the tube of a torus, ``other`` its large one or a half angle."""
+    """One surface. ``radius`` is that of the tube of a torus, ``other`` its large one or a half angle.
+
+    The normals, times ``sign``, point out of the material.
+    """
 
     kind: str
     point: np.ndarray
     axis: np.ndarray
     radius: float = 0.0
     other: float = 0.0
+    sign: float = 1.0
 
     def distances_and_normals(self, points):
         """Signed distances ``(n,)`` of points, and unit normals ``(n, 3)`` that point to growing distance."""
@@ -69,9 +73,8 @@ class Quadric:
     def moved(self, x):
         """The surface with its point, axis and sizes changed by (3, 2, 1, 1) numbers."""
         axis = self.axis + np.stack(across(self.axis), axis=1) @ x[3:5]
-        return Quadric(
-            self.kind, self.point + x[:3], axis / np.linalg.norm(axis), self.radius + x[5], self.other + x[6]
-        )
+        sizes = {"radius": self.radius + x[5], "other": self.other + x[6]}
+        return replace(self, point=self.point + x[:3], axis=axis / np.linalg.norm(axis), **sizes)
 
     def scaled(self, size, centre):
         """The same, larger by a factor and then moved."""

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import LinearConstraint, linprog, milp
 from scipy.sparse import coo_array
 
-from nurbs_lab.mesh.core import components
+from nurbs_lab.mesh.core import fans
 from nurbs_lab.mesh.solid._kernels_ring import after, before
 from nurbs_lab.mesh.solid.features import corner_angles
 
@@ -52,7 +52,7 @@ def divide(mesh, triangles, opposite, sharp):
     """
     half = np.arange(len(opposite))
     angles = corner_angles(mesh.vertices, triangles).ravel()
-    sector = _sectors(opposite, sharp)
+    sector = fans(opposite, ~sharp)[1]
     around = np.bincount(sector, weights=angles)
     kinds = np.empty(len(around), dtype=np.int64)
     kinds[sector] = mesh.kinds[triangles.ravel()]
@@ -76,14 +76,6 @@ def divide(mesh, triangles, opposite, sharp):
         rows = np.flatnonzero(one.any(axis=0))
         out.append((sides[rows], parents[rows], one[:, rows].argmax(axis=0)))
     return out
-
-
-def _sectors(opposite, sharp):
-    """Components of corners of faces around a vertex, joined across edges that are not sharp."""
-    joined = np.flatnonzero(~sharp)
-    across = opposite[joined]
-    rows, columns = np.concatenate([joined, after(joined)]), np.concatenate([after(across), across])
-    return components(len(opposite), rows, columns)[1]
 
 
 def _apexes(length):

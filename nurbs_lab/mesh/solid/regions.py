@@ -5,14 +5,14 @@ that lie on it; facets that are left are planes, or free form. The vertices of a
 surfaces to rounding, so the limits are narrow.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from nurbs_lab.mesh.core import components, face_normals, opposite_of, unit
-from nurbs_lab.mesh.solid.quadrics import ROUND, SAME, Quadric, circumcentres, fit, improved, made_equal
+from nurbs_lab.mesh.solid.quadrics import ROUND, SAME, circumcentres, fit, improved, made_equal
 
 _ON = 1e-5  # of the size: vertices so near to a surface lie on it
 _TURN = np.cos(np.radians(40.0))  # between a facet and its surface
@@ -47,23 +47,15 @@ class Facets:
         Their vertices do, and the normals of their facets are near to those there; and their centres are only
         as far from it as chords may be that make such angles with it, unlike a plane that touches it.
         """
-        gaps, normals = found.surface.distances_and_normals(self.points)
+        gaps, normals = found.distances_and_normals(self.points)
         on = (np.abs(gaps) < _ON)[self.triangles].all(axis=1)
         corners, normals = self.points[self.triangles[on]], normals[self.triangles[on]]
         cosine = found.sign * np.einsum("fkj,fj->fk", normals, self.normals[self.of[on]])
         cosine[np.linalg.norm(normals, axis=2) < 0.999] = 1.0  # at an apex
         least = cosine.min(axis=1)
         bound = np.ptp(corners, axis=1).max(axis=1) * np.sqrt(np.maximum(1.0 - least**2, 0.0)) + _ON
-        on[on] = (least > _TURN) & (np.abs(found.surface.distances(corners.mean(axis=1))) <= bound)
+        on[on] = (least > _TURN) & (np.abs(found.distances(corners.mean(axis=1))) <= bound)
         return on
-
-
-@dataclass(frozen=True)
-class Found:
-    """A surface whose normals, times the sign, point out of the material."""
-
-    surface: Quadric
-    sign: float
 
 
 def facets_of(points, triangles, sharp_angle, apart=False) -> Facets:
@@ -113,12 +105,10 @@ def regions_of(points, triangles, sharp_angle):
     for f in left:
         plane = fit("plane", facets.points[facets.vertices(f)], None, facets.normals[[f]], facets.areas[[f]])
         label[f] = len(found)
-        found.append(Found(plane, 1.0))
+        found.append(plane)
     kept, label, counts = np.unique(label[facets.of], return_inverse=True, return_counts=True)
     order = np.argsort(-counts, kind="stable")
-    surfaces, changes = made_equal([found[k].surface for k in kept[order]])
-    found = [Found(surface, found[k].sign) for surface, k in zip(surfaces, kept[order], strict=True)]
-    return np.argsort(order)[label], found, changes
+    return np.argsort(order)[label], *made_equal([found[k] for k in kept[order]])
 
 
 def _of_several(facets, found, label):
@@ -161,7 +151,7 @@ def _surface_at(facets, links, free, seed):
                 continue
             if grown := _grown(facets, links, free, surface, seed):
                 centres = facets.points[facets.triangles[np.isin(facets.of, grown[1])]].mean(axis=1)
-                off = np.abs(grown[0].surface.distances(centres)).mean()
+                off = np.abs(grown[0].distances(centres)).mean()
                 tried.append((-len(grown[1]), off, grown))
         better = min(tried, key=lambda one: one[:2], default=None)
         if better is None or (best and better[0] == best[0]):
@@ -174,8 +164,8 @@ def _grown(facets, links, free, surface, seed):
     taken, at = None, facets.points[facets.vertices(seed)]
     while True:
         normals = surface.distances_and_normals(at)[1]
-        found = Found(surface, 1.0 if (normals @ facets.normals[seed]).sum() > 0.0 else -1.0)
-        inside = np.flatnonzero(facets.on(found) & free)
+        surface = replace(surface, sign=1.0 if (normals @ facets.normals[seed]).sum() > 0.0 else -1.0)
+        inside = np.flatnonzero(facets.on(surface) & free)
         local = np.searchsorted(inside, seed)
         if local == len(inside) or inside[local] != seed:
             return None
@@ -187,7 +177,7 @@ def _grown(facets, links, free, surface, seed):
         if better is None or not better.sound():
             break
         surface = better
-    return (Found(surface, found.sign), taken) if len(taken) >= _FEWEST else None
+    return (surface, taken) if len(taken) >= _FEWEST else None
 
 
 def _absorb(facets, found, label):

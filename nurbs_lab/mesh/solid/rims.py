@@ -1,27 +1,15 @@
 """Where the regions of a mesh meet: chains of its edges, and points moved onto the surfaces."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from nurbs_lab.mesh.core import opposite_of, tails_and_heads
 
 
-@dataclass(frozen=True)
-class Chain:
-    """Vertices along the border of two regions, that on its left first; a closed one ends where it begins."""
+def chains_of(triangles, label) -> list[tuple[tuple[int, int], np.ndarray]]:
+    """All chains between corners, where at least three regions meet, of regions ``label (m,)``.
 
-    regions: tuple[int, int]
-    vertices: np.ndarray
-
-    @property
-    def ends(self):
-        """The first and the last vertex."""
-        return int(self.vertices[0]), int(self.vertices[-1])
-
-
-def chains_of(triangles, label) -> list[Chain]:
-    """All chains between corners, where at least three regions meet, of regions ``label (m,)``."""
+    Each has its two regions, that on its left first, and its vertices; a closed one ends where it begins.
+    """
     (tails, heads), left = tails_and_heads(triangles), np.repeat(label, 3)
     right = left[opposite_of(triangles)]
     border = np.flatnonzero(left < right)
@@ -34,7 +22,7 @@ def chains_of(triangles, label) -> list[Chain]:
         while not corner[heads[path[-1]]] and (h := leaving[int(heads[path[-1]])]) != first:
             path.append(h)
         seen.update(path)
-        chains.append(Chain((int(left[first]), int(right[first])), np.append(tails[path], heads[path[-1]])))
+        chains.append(((int(left[first]), int(right[first])), np.append(tails[path], heads[path[-1]])))
     return chains
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.special import binom
 
-from nurbs_lab.mesh.core import components
+from nurbs_lab.mesh.core import fans
 from nurbs_lab.mesh.solid.net import DEGREE, turned
 
 #: Degrees: sharp edges at a corner run straight on within so many of 180; no sector is nearer to 0 or 360.
@@ -55,10 +55,8 @@ def _angles_of_sectors(layout, angles):
     ``angles`` of its corners, but not too near to 180 degrees.
     """
     corners, sharp = layout.corners.ravel(), layout.sharp[layout.edges.ravel()]
-    before = np.arange(len(corners)) - np.arange(len(corners)) % 4 + (np.arange(len(corners)) + 3) % 4
-    linked = np.flatnonzero(~sharp[before])
-    across = layout.sides[layout.edges.ravel()[before[linked]]].sum(axis=1) - before[linked]
-    sector = components(len(corners), linked, across)[1]
+    opposite = layout.sides[layout.edges.ravel()].sum(axis=1) - np.arange(len(corners))
+    sector = fans(opposite, ~sharp, 4)[1]
     size, vertex = np.bincount(sector), np.empty(sector.max() + 1, dtype=np.int64)
     vertex[sector] = corners
     sharp = np.bincount(corners[sharp], minlength=len(layout.fixed))[vertex]

@@ -50,8 +50,7 @@ class TrimmedShell(Value):
     def of(cls, shape, unit, *others):
         """The shell of a shape in such units; then its other values in their order."""
         oc = _opencascade()
-        faces = tuple(face.scaled(unit) for face in oc.faces_of(shape))
-        return cls(faces, oc.to_bytes(shape), *others, unit=unit)
+        return cls(oc.faces_of(oc.scaled(shape, unit)), oc.to_bytes(shape), *others, unit=unit)
 
     @property
     def surfaces(self) -> tuple[NurbsSurface, ...]:
@@ -165,7 +164,7 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     off = np.empty(len(middles))
     for k, one in enumerate(found):
         mine = owners == k
-        off[mine] = size * np.abs(one.surface.distances((middles[mine] - centre) / size))
+        off[mine] = size * np.abs(one.distances((middles[mine] - centre) / size))
     if off.max() > tolerance:
         return None
     equal = int((changes > 0).sum()), changes.max() * size
