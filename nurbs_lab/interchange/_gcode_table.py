@@ -57,7 +57,7 @@ G_WORDS = {
     40: ("dwell", None, ""),
     431: ("offset", "tool", ALL_AXES),
     640: ("path", None, "PQ"),
-    1870: ("nothing", None, "PE"),
+    **dict.fromkeys((1030, 1870), ("nothing", None, "PE")),  # of Haas
     960: ("surface", True, "DS"),
     970: ("surface", False, ""),
     100: ("offset", "G10", ALL_AXES + "LPRIJQ"),

@@ -20,6 +20,8 @@ KEYWORDS = {"BSPLINE": "b0", "SD=": "d", "PL=": "l", "PW=": "w", "CR=": "R", "SU
 #: Words that steer how a path is followed, and move nothing.
 KEYWORDS |= dict.fromkeys(("MSG", "WORKPIECE", "CYCLE832", "SOFT", "BRISK", "FFWON", "FFWOF", "STOPRE"), "")
 KEYWORDS |= dict.fromkeys(("CFC", "CFIN", "CFTCP", "COMPON", "COMPCURV", "COMPCAD", "COMPOF", "TRAFOOF"), "")
+KEYWORDS |= dict.fromkeys(("ORIWKS", "DIAMOF", "RTLION", "RTLIOF", "UPATH", "FIFOCTRL", "STARTFIFO"), "")
+KEYWORDS |= dict.fromkeys((f"DYN{kind}" for kind in ("NORM", "POS", "ROUGH", "SEMIFIN", "FINISH")), "")
 #: Powers of Heidenhain's SPL -> letter.
 POWERS = dict(zip((f"K{k}{axis}" for axis in "XYZ" for k in (3, 2, 1)), "cefghijkn", strict=True))
 #: What Heidenhain writes instead of G words.

@@ -195,3 +195,15 @@ def test_what_linuxcnc_refuses_is_named(tmp_path, block, said):
         program(tmp_path, f"G21 G90 F600\nG0 X0 Y0 Z9\n{block}\nM30")
     words = [str(one.message).split()[2] for one in found]
     assert len(set(words)) == len(words)
+
+
+@pytest.mark.parametrize(
+    "words", ["DYNFINISH\nDIAMOF UPATH", "N5 ORIWKS\nRTLIOF", "FIFOCTRL\nDYNSEMIFIN", "G103 P1"]
+)
+def test_words_of_posts_that_move_nothing_are_taken(tmp_path, recwarn, words):
+    """A preamble of Siemens or Haas; a word that means diameters is no such one."""
+    (move,) = program(tmp_path, f"G71 G90\n{words}\nG0 X0 Y0 Z0\nG1 X5 F600\nM30").moves
+    np.testing.assert_array_equal(ends([move]), [(5, 0, 0)])
+    assert not recwarn
+    with pytest.raises(ValueError, match="line 2: 'DIAMON' "):
+        program(tmp_path, "G71 G90\nDIAMON\nG0 X0 Y0 Z0\nG1 X5 F600\nM30")
