@@ -24,7 +24,7 @@ _MODULES = {
     "curves": "basis curve",
     "dragging": "drag",
     "general": "animation lines",
-    "machining": "milled milling program remaining",
+    "machining": "milled milling program reached remaining",
     "paths": "binding chord_error feed figures_8_to_10 fluctuation leaderboard orders path",
     "slices": "layer weighted_graph",
     "sliders": "explore",

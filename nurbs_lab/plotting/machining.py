@@ -5,13 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pyvista as pv
+from scipy.spatial import cKDTree
 
 from nurbs_lab.machining import prepare_part, simulate
 from nurbs_lab.machining.stock import as_stock
 from nurbs_lab.plotting.general import animation
 from nurbs_lab.plotting.solids import MATERIAL, triangles
 from nurbs_lab.plotting.stage import CLAY, frame, given_or_new, polylines, scene
-from nurbs_lab.plotting.style import BLUE, GREEN, ORANGE, PINK, SIGNED, canvas, takes_axes, takes_stage
+from nurbs_lab.plotting.style import BLUE, GREEN, GREY, ORANGE, PINK, SIGNED, canvas, takes_axes, takes_stage
 
 KINDS = {"cut": (BLUE, 2.0), "link": (ORANGE, 5.0), "plunge": (GREEN, 5.0), "rapid": (PINK, 5.0)}  # , width
 SPACING = 0.4  # mm between the points that are drawn
@@ -49,6 +50,32 @@ def milled(simulation, *, stage=None, title=None):
     """
     stage = given_or_new(stage)
     stage.add_mesh(_block(simulation), color=CLAY, smooth_shading=False, **MATERIAL)
+    return frame(stage, title=title)
+
+
+@takes_stage
+def reached(verification, part, *, stage=None, title=None):
+    """What a program reaches of a part, from above and from below.
+
+    Blue is reached, orange left for a smaller cutter, grey out of reach on three axes.
+
+    Parameters
+    ----------
+    verification : Verification
+    part : as for `drop_cutter`
+    """
+    sets = verification.points, verification.narrow_points, verification.hidden_points
+    part, stage = prepare_part(part), given_or_new(stage)
+    surface = _surface(part)
+    nearest = cKDTree(np.concatenate(sets)).query(surface.cell_centers().points)[1]
+    kinds = np.repeat(np.arange(3), [len(points) for points in sets])[nearest]
+    kinds[part.tree.normals[:, 2] * np.sign(part.volume) < 0.0] = 2
+    colours = np.array([pv.Color(colour).int_rgb for colour in (BLUE, ORANGE, GREY)], np.uint8)
+    surface["reach"] = colours[kinds]
+    stage.add_mesh(surface, scalars="reach", rgb=True, **MATERIAL)
+    aside = 1.2 * np.ptp(part.bounds[:, 0])
+    under = surface.rotate_x(180.0, inplace=False).translate((aside, 0.0, 0.0), inplace=False)
+    stage.add_mesh(under, scalars="reach", rgb=True, **MATERIAL)
     return frame(stage, title=title)
 
 

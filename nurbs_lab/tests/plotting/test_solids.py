@@ -73,6 +73,18 @@ def test_the_worst_place_is_marked_where_a_tolerance_is_missed(pipe):
     assert dark[0] > dark[1] + 50
 
 
+def test_reached_places_are_blue_and_those_below_grey():
+    block = trimesh.creation.box(extents=(10, 10, 4))
+    moves = (Move("cut", line((-5, 0, 2), (5, 0, 2)), 5.0),)
+    program = nl.machining.Program(moves, nl.Cutter("ball", diameter=4.0, length=20.0))
+    picture = pixels(nl.plotting.reached(nl.verify(program, block), block))
+    blue = picture[..., 2] - picture[..., 0] > 40
+    shown = picture.min(axis=2) < 250
+    half = picture.shape[1] // 2
+    assert blue[:, :half].sum() > 0.3 * shown[:, :half].sum()  # from above
+    assert blue[:, half:].sum() < 0.6 * blue[:, :half].sum()  # from below only the sides
+
+
 def unpacked(part, name, kind):
     """Rows of three numbers of a stored scene, as the book's viewer reads them."""
     steps = np.frombuffer(zlib.decompress(base64.b64decode(part["arrays"][name])), kind).reshape(3, -1)
