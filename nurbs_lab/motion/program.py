@@ -111,6 +111,9 @@ class _Windows:
                 own = limits if speed is None else replace(limits, speed=min(speed, limits.speed))
                 fresh.append(scan(track, own))
                 planned += least_duration(fresh[-1], limits, limits.speed)
+        if not planned < 2**53 * limits.period_s:  # beyond it, a float64 does not count one by one
+            said = f"the motion takes {planned:.3g} s, more periods than can be counted"
+            raise ValueError(f"{said}; take a higher speed or acceleration, or a longer period")
         if fresh:
             self.path = join([*([] if self.path is None else [self.path]), *fresh], limits)
         return planned

@@ -151,3 +151,13 @@ def test_a_program_is_read_only_as_far_as_it_is_planned():
 
     next(iter(plan_windows(lines(), speed=10.0, acceleration=100.0, period_s=1e-3)))
     assert len(read) < 20
+
+
+@pytest.mark.parametrize(("speed", "period_s"), [(1e-12, 1e-3), (1e-30, 1e-30), (10.0, 1e-30)])
+def test_periods_that_cannot_be_counted_are_refused_by_their_cure(speed, period_s):
+    """A thousand times fewer are planned."""
+    lines = [nl.NurbsCurve(1, [0, 0, 1, 1], ends) for ends in ([(0, 0), (10, 0)], [(10, 0), (20, 5)])]
+    limits = {"acceleration": 100.0, "jerk": 1e4}
+    with pytest.raises(ValueError, match="more periods than can be counted; take a higher speed or"):
+        plan_program(lines, speed=speed, period_s=period_s, **limits)
+    assert sum(feed.duration for feed in plan_program(lines, speed=1e-9, period_s=1e-3, **limits)) > 2e10
