@@ -117,6 +117,7 @@ phases of jerk out of near rest (scurve)          1 refused
 a slow speed in reach of a short path (scurve)    1 refused
 limits for phases beside those for ends (problem)  none; 400 corners with jerks of axes 1.9 times the time
 stretches of the first motion in place (scurve)   none; ends that move 1.7 times the time of planning
+windows that begin or end at corners (corners)    none; 1 of 40 rows of tiny steps 7 % beyond its limit
 half the jerk of axes beside corners (scurve)     8 shorter by up to 1 %, one 3 % beyond its limit
 cells on the way to corners (scurve)              1, by a period; one 2.9 % beyond its jerk of axes
 corners left out of the trapezoid (scurve)        8 with jerks of axes, by up to 12 %

@@ -217,29 +217,69 @@ def path_derivatives(spans, span_of, u, tangents, curvatures, rates):
 
 
 @kernel
-def pass_speeds(lengths, costs, budget, period, top, out):
-    """Lower ``out`` to the speeds at which the corners within any period cost no more than the budget.
+def pass_speeds(corners, window, period, budgets, top, out):
+    """Lower ``out`` to the speeds at which no difference of positions takes more than its budget at corners.
 
-    A corner at the distance d from the one looked at costs ``costs * (v - d / period)``: a difference of
-    velocities over two periods holds it with a weight that falls to zero at its ends. None exceeds ``top``.
+    ``corners`` is (lengths, steps of the unit tangents, speeds v that other limits allow). The n-th
+    difference of positions a period apart is a sum of these steps, each weighted by how far the positions lie
+    beyond it. It is linear in the speed until a position meets another corner, and largest where one of them
+    lies on a corner: the k-th, for the ``window`` (n, k). ``budgets`` holds what the vector may take, and
+    each axis. Of it corners take at most ``(1 + (speed / V)**2) / 2`` at any speed up to the one V that is
+    held, and ``(v / V + speed**2 / (v V)) / 2`` where v is lower.
     """
+    (lengths, steps, fastest), (order, k) = corners, window
+    weights, passed = np.ones(order + 1), np.empty(order + 1, dtype=np.int64)
+    for m in range(order):
+        weights[m + 1] = weights[m] * (m - order) / (m + 1.0)
     for i in range(lengths.size):
-        total, spent, left, right = costs[i], 0.0, i - 1, i + 1
-        if total == 0.0:
-            continue
-        speed = budget / total
-        while True:
-            before = lengths[i] - lengths[left] if left >= 0 else np.inf
-            after = lengths[right] - lengths[i] if right < lengths.size else np.inf
-            nearest = min(before, after)
-            if not nearest < min(speed, top) * period:
+        change, rate = np.zeros(steps.shape[1]), np.zeros(steps.shape[1])
+        for m in range(order + 1):
+            passed[m] = i + 1 if m > k else i - 1
+            rate += max(m - k, 0) * weights[m] * steps[i]
+        speed, used, held, share = 0.0, 0.0, top, 0.0
+        while speed < held:
+            following, met = held, k
+            for m in range(order + 1):
+                if m != k and 0 <= passed[m] < lengths.size:
+                    way = abs(lengths[passed[m]] - lengths[i]) / (abs(m - k) * period)
+                    if way < following:
+                        following, met = way, m
+            change += (following - speed) * rate
+            before, used = used, _used_of(change, budgets)
+            held, share = _held(speed, following, before, used, held, share, fastest[i])
+            speed = following
+            if met == k:
                 break
-            other = left if before <= after else right
-            left, right = (left - 1, right) if before <= after else (left, right + 1)
-            total += costs[other]
-            spent += costs[other] * nearest / period
-            speed = (budget + spent) / total
-        out[i] = min(out[i], speed)
+            rate += abs(met - k) * weights[met] * steps[passed[met]]
+            passed[met] += 1 if met > k else -1
+        if share > 0.0:
+            out[i] = min(out[i], min(held, fastest[i]) / min(share, 1.0))
+
+
+@inlined
+def _used_of(change, budgets):
+    """The largest part of the budgets of the vector and of each axis."""
+    square, part = 0.0, 0.0
+    for c in range(change.size):
+        square += change[c] * change[c]
+        part = max(part, abs(change[c]) / budgets[c + 1])
+    return max(part, sqrt(square) / budgets[0])
+
+
+@kernel
+def _held(speed, following, before, used, held, share, fastest):
+    """The speed held and the share of a corner, after what is used from one speed to the following."""
+    steep = (used - before) / (following - speed) if following > speed else 0.0
+    level, least = before - steep * speed, min(held, fastest)
+    if steep > 0.0:
+        at = min(max((1.0 - level - max(level, 0.0)) / steep, speed), following)
+        part = level + steep * at
+        if part > 0.5:
+            held = min(held, at / sqrt(2.0 * part - 1.0))
+        least = min(held, fastest)
+        at = level / (steep * least)
+        speed = max(speed, min(least * (sqrt(at * at + 1.0) - at), following, held))
+    return held, max(share, 2.0 * (level + steep * speed) / (1.0 + (speed / least) ** 2))
 
 
 @kernel

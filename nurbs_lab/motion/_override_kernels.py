@@ -1,7 +1,7 @@
 """Kernels of overrides: steps of constant jerk or acceleration that keep every limit of the plan.
 
 A *spot* is a length, a speed and an acceleration of the tool; the speed, acceleration, jerk and segment of
-the plan at this length, the part of the limits that corners take there at each speed, the node before it and
+the plan at this length, c and d of the part c + d v² of the limits that corners take, the node before it and
 how far it is to the next. The *control* is the jerk or, without a limit of jerk, the acceleration.
 
 A *task* is ``(feed, curve, nodes, hints, limits, step, soft)``: the feed table of the plan; spans and panels;
@@ -48,7 +48,7 @@ def _spot(task, motion, segment):
     for node in range(k, k + 2):
         if not filled[node]:
             _fill(task, node, segment)
-    return *motion, v, a, j, segment, max(corners[k], corners[k + 1]), k, place - k
+    return *motion, v, a, j, segment, np.maximum(corners[k], corners[k + 1]), k, place - k
 
 
 @kernel
@@ -68,7 +68,10 @@ def _allowed(task, spot, v, a, jerk):
     """
     geometry, (along, vector, of_axes) = task[2][2], task[4][int(jerk)]
     planned, slope, change, _, corner, k, part = spot[3:]
-    room, rate = max(1.0 - v * corner, 1e-9), min(v / planned, 1.0) if planned > 0.0 else 0.0
+    room, rate = (
+        max(1.0 - corner[0] - corner[1] * v * v, 1e-9),
+        min(v / planned, 1.0) if planned > 0.0 else 0.0,
+    )
     own, turn, turn_of_own, twist = slope * rate**2, v * v, v * v, 0.0
     if jerk:
         own, turn, turn_of_own, twist = change * rate**3, 3.0 * v * a, 3.0 * v * own, v**3

@@ -148,7 +148,9 @@ def _least_time(block, middle):
 
 
 def _corner_speeds(path, limits):
-    """The largest speed at every corner, as if it were alone."""
+    """The largest speed at every corner, as if it were alone or beside the others, which may cancel it."""
     if limits.axis_jerk is not None:  # of which a plan uses half
         limits = replace(limits, axis_jerk=2.0 * limits.axis_jerk)
-    return limits.corner_speeds(1e99 * np.arange(len(path.kinks)), path.kinks[:, 1:])[0]
+    at, steps, most = path.kinks[:, 0], path.kinks[:, 1:], np.full(len(path.kinks), limits.speed)
+    alone = limits.corner_speeds(1e99 * np.arange(len(at)), steps, most)[0][1]
+    return np.maximum(alone, limits.corner_speeds(at, steps, most)[0][1])

@@ -29,9 +29,15 @@ def sampled(limits, curve, u, lengths, tangents, curvatures):
 
 
 def slowed_at_corners(path, limits):
-    """The path with its speeds lowered from a period, or two, before each corner to as long after it."""
-    at, reach_s = path.kinks[:, 0], np.full(len(path.kinks), limits.period_s)
-    held, names = limits.corner_speeds(at, path.kinks[:, 1:])
+    """The path with its speeds lowered in zones: from a period, or two, before each corner to as long after
+    it, and in windows of two periods that begin or end at a corner where these hold no such zone.
+    """
+    at, least = path.kinks[:, 0], np.interp(path.kinks[:, 0], path.lengths, path.speeds)
+    (begun, held, ended), names = limits.corner_speeds(at, path.kinks[:, 1:], least)
+    reach_s = np.full(len(at), limits.period_s)
+    middles = at + reach_s * np.minimum(begun, least), at - reach_s * np.minimum(ended, least)
+    windows = zip((*middles,), (begun, ended), names[::2], (least, least), (reach_s, reach_s), strict=True)
+    names = names[1]
     if not limits.soft:
         stops = _stops(path, limits, held) & (names != "chord_error")
         held, reach_s = np.where(stops, _NEGLIGIBLE, 1.0) * held, np.where(stops, 0.0, reach_s)
@@ -44,13 +50,15 @@ def slowed_at_corners(path, limits):
         held, reach_s = part * held, 2.0 * limits.period_s * np.append(part, np.ones(len(first)))
         at = np.append(at, path.lengths[first])
         held, names = np.append(held, most), np.append(names, np.full(len(first), "axis_jerk", dtype=object))
-        order = np.argsort(at, kind="stable")
-        at, held, names, reach_s = at[order], held[order], names[order], reach_s[order]
-    least = np.interp(at, path.lengths, path.speeds)
-    tells = held * _NEGLIGIBLE < least
-    if not tells.any():
+        least = np.interp(at, path.lengths, path.speeds)
+    zones = _telling([at, held, names, least, reach_s])
+    windows = _telling([np.concatenate(pair) for pair in zip(*windows, strict=True)])
+    free = _without_zones(windows, zones)
+    rows = [np.append(one, other[free]) for one, other in zip(zones, windows, strict=True)]
+    order = np.argsort(rows[0], kind="stable")
+    at, held, names, least, reach_s = (row[order] for row in rows)
+    if not len(at):
         return path
-    at, held, names, least, reach_s = (one[tells] for one in (at, held, names, least, reach_s))
     reach = np.minimum(held, least) * reach_s
     parts = np.minimum(least / held, 1.0)
     zones = np.column_stack([np.maximum(at - reach, 0.0), np.minimum(at + reach, path.length), held, parts])
@@ -58,14 +66,29 @@ def slowed_at_corners(path, limits):
         path = _with_samples(path, limits, at, reach)
     apart = np.where(reach > 0.0, _APART * path.length, 4.0 * np.spacing(path.length))  # stops are points
     first = np.searchsorted(path.lengths, zones[:, 0] - apart)
-    count = np.searchsorted(path.lengths, zones[:, 1] + apart) - first
-    index = np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum())
-    order = np.argsort(-np.repeat(held, count), kind="stable")  # the slowest is written last
-    index, speed, name = index[order], np.repeat(held, count)[order], np.repeat(names, count)[order]
-    lower = speed < path.speeds[index]
-    speeds, causes = path.speeds.copy(), path.causes.copy()
-    speeds[index[lower]], causes[index[lower]] = speed[lower], name[lower]
-    return replace(path, speeds=speeds, causes=causes, zones=zones)
+    beyond = np.searchsorted(path.lengths, zones[:, 1] + apart)
+    speeds, causes = np.full(len(path.u), np.inf), path.causes.copy()
+    for k in np.argsort(-held, kind="stable"):  # the slowest is written last
+        speeds[first[k] : beyond[k]], causes[first[k] : beyond[k]] = held[k], names[k]
+    causes = np.where(speeds < path.speeds, causes, path.causes)
+    return replace(path, speeds=np.minimum(speeds, path.speeds), causes=causes, zones=zones)
+
+
+def _telling(rows):
+    """Those of zones (places, speeds, names, speeds by other limits, reaches in s) that take a part."""
+    tells = rows[1] * _NEGLIGIBLE < rows[3]
+    return [row[tells] for row in rows]
+
+
+def _without_zones(windows, zones):
+    """Which windows hold no whole zone; the motion takes two periods for one, and so more for the others."""
+    (start, stop), (first, last) = (
+        at + np.minimum(held, least) * reach_s * [[-1.0], [1.0]]
+        for at, held, _, least, reach_s in (zones, windows)
+    )
+    order, near = np.argsort(start), 1e-9 * (last - first)
+    ends = np.minimum.accumulate(np.append(stop[order], np.inf)[::-1])[::-1]
+    return ends[np.searchsorted(start[order], first - near)] > last + near
 
 
 def _stops(path, limits, held):

@@ -38,10 +38,10 @@ class Limits(Value):
     Notes
     -----
     A corner is passed at the speed at which the velocity changes within a period by no more than the
-    accelerations allow: v <= a T / (2 sin(turn / 2)) for the vector, and for each axis likewise. Corners less
-    than a period apart share the period, and so does the curvature beside them. The speed is held for two
-    periods. With ``axis_jerk`` the corner takes half of it, and holds its speed for four. Where a stop takes
-    less time, without any limit of jerk 2 % less of the way there, the motion nearly stops.
+    accelerations allow: v <= a T / (2 sin(turn / 2)) for the vector, and for each axis likewise. Changes at
+    corners less than a period apart are added as vectors, and the curvature beside them shares the period.
+    The speed is held for two periods. With ``axis_jerk`` the corner takes half of it, and holds its speed for
+    four. Where a stop takes less time, without any limit of jerk 2 % less, the motion nearly stops.
 
     Examples
     --------
@@ -127,27 +127,25 @@ class Limits(Value):
         """Whether any limit depends on the shape of the curve."""
         return self.across[0] < np.inf or self.chord_error is not None or self.of_axes
 
-    def corner_speeds(self, lengths, steps):
-        """Largest speeds through corners at increasing lengths, and the limits that say so.
+    def corner_speeds(self, lengths, steps, fastest):
+        """Largest speeds in windows that begin at corners, lie around them and end there, and what says so.
 
-        ``steps (n, dim)`` are the unit tangents behind the corners minus those before them.
+        ``steps (n, dim)`` are the unit tangents behind the corners, at increasing lengths, minus those before
+        them, and ``fastest`` the speeds that other limits allow there.
         """
-        sizes = np.linalg.norm(steps, axis=1)
-        most, name = self.across
-        costs, budgets, names = [sizes], [most * self.period_s], [name]
-        for axis in range(steps.shape[1]):
-            for name, power in (("axis_acceleration", 1), ("axis_jerk", 2)):
-                limit = getattr(self, name)
-                if limit is not None:
-                    costs, names = [*costs, np.abs(steps[:, axis])], [*names, name]
-                    budgets.append(limit[axis] * self.period_s**power / power)
-        table = np.full((len(costs) + 1, len(lengths)), np.inf)
-        for row, cost, budget, name in zip(table, costs, budgets, names, strict=False):
-            if budget < np.inf:  # a third difference of positions holds three periods
-                shared = self.period_s * (3.0 if name == "axis_jerk" else 1.0)
-                _kernels.pass_speeds(lengths, cost, budget, shared, self.speed, row)
+        period, free, (across, name) = self.period_s, np.full(steps.shape[1], np.inf), self.across
+        rows = {name: (2, (0, 1, 2), period, np.append(across * period, free))}
+        if self.axis_acceleration is not None:
+            budgets = np.append(np.inf, self.axis_acceleration * period)
+            rows["axis_acceleration"] = 2, (0, 1, 2), period, budgets
+        if self.axis_jerk is not None:  # half of it, which is room for all phases of the periods
+            rows["axis_jerk"] = 3, (1, 2), period, np.append(np.inf, 0.5 * self.axis_jerk * period**2)
         if self.chord_error is not None:
-            with np.errstate(divide="ignore"):
-                table[-1] = 4.0 * self.chord_error / (self.period_s * sizes)
-        names = np.array([*names, "chord_error"], dtype=object)
-        return table.min(axis=0), names[table.argmin(axis=0)]
+            rows["chord_error"] = 2, (1,), 0.5 * period, np.append(4.0 * self.chord_error / period, free)
+        table = np.full((len(rows), 3, len(lengths)), np.inf)
+        corners = lengths, np.ascontiguousarray(steps), fastest
+        for row, (order, places, between, budgets) in zip(table, rows.values(), strict=True):
+            for k in places:
+                out = row[k] if len(places) == 3 else row[1]
+                _kernels.pass_speeds(corners, (order, k), between, budgets, self.speed, out)
+        return table.min(axis=0), np.array(list(rows), dtype=object)[table.argmin(axis=0)]

@@ -159,12 +159,12 @@ def _task(feed):
         limits = replace(limits, tangential_only=True, axis_acceleration=None, axis_jerk=None)
     track = prepare(feed.curve or NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (1, 0)]))
     count, dim = int(np.ceil(feed.duration / step)) + 2, track.curve.dim
-    limits, free, corners = limits.in_dimensions(dim), np.full(dim, np.inf), np.zeros(count)
+    limits, free, corners = limits.in_dimensions(dim), np.full(dim, np.inf), np.zeros((count, 2))
     zones = scan(track, limits).zones
-    around = np.column_stack([feed.time_at(zones[:, :2]) / step + [0.0, 2.0], 1.0 / zones[:, 2]])
-    for first, last, part in around:
-        near = slice(int(first), int(last))
-        corners[near] = np.maximum(corners[near], part)
+    near = (feed.time_at(zones[:, :2]) / step + [0.0, 2.0]).astype(int)
+    taken = np.column_stack([0.5 * zones[:, 3], 0.5 / (zones[:, 3] * zones[:, 2] ** 2)])
+    for (first, last), part in zip(near, taken, strict=True):
+        corners[first:last] = np.maximum(corners[first:last], part)
     nodes = 1.0 / step, np.zeros(count, dtype=bool), np.zeros((count, 3, dim)), corners
     axes = (free if one is None else np.array(one) for one in (limits.axis_acceleration, limits.axis_jerk))
     vector = np.inf if limits.tangential_only else limits.acceleration

@@ -230,7 +230,6 @@ def _last_even_time(profile, limits):
     """The latest time well before the final braking at which the acceleration is zero and does not fall."""
     t, h, _, _, a, j = profile.segments.T
     level = np.abs(a) + np.abs(j) * h <= 1e-9 * limits.acceleration
-    rising = np.append(False, (a[:-1] + j[:-1] * h[:-1] <= 0.0) & (a[1:] >= 0.0)) & (not limits.soft)
     with np.errstate(divide="ignore", invalid="ignore"):
         zero = np.where(j > 0.0, -a / j, -1.0)
     speeding = np.flatnonzero(a + 0.5 * j * h >= 0.0)
@@ -238,7 +237,6 @@ def _last_even_time(profile, limits):
     latest = max(top - (profile.duration - top), 0.0)
     even = np.concatenate([
         np.minimum(t[level] + h[level], latest)[t[level] < latest],
-        t[rising],
         (t + zero)[(zero >= 0.0) & (zero < h)],
     ])  # fmt: skip
     return float(even[even <= latest].max(initial=0.0))

@@ -238,8 +238,8 @@ def limits_on(path, limits, nodes, speeds, margin):
     own = np.minimum(own, np.minimum(np.append(own[1:], own[-1]), np.append(own[0], own[:-1])))
     causes[own < caps] = "speed"
     caps = np.minimum(caps, own)
-    held = path.near_corners(nodes)[0]
-    held = np.minimum(held[1:], held[:-1])
+    held, taken = path.near_corners(nodes)
+    held, taken = np.minimum(held[1:], held[:-1]), np.maximum(taken[1:], taken[:-1])
     causes[held < caps] = "acceleration"
     caps = np.minimum(caps, held)
     (low, high), (least, most), kappas = _around_nodes(path, nodes, sides)
@@ -259,8 +259,8 @@ def limits_on(path, limits, nodes, speeds, margin):
         t, n = path.shares(nodes, limits, 2.0 * np.maximum(-low, high), np.maximum(-least, most))
         along, across = np.column_stack([along, 0.5 * t, -0.5 * t]), np.column_stack([across, n, n])
     turns = np.empty((len(half), 0, 3))
-    if limits.axis_jerk is not None:  # near a corner it takes one half of them
-        near = np.where(held < np.inf, 0.5, 1.0)
+    if limits.axis_jerk is not None:  # a corner takes up to one half of them
+        near = 1.0 - np.minimum(2.0 * taken, 0.5)
         axis = ((1.0 - margin) * parts[:, 2] * near)[:, None] * limits.axis_jerk
         turns = np.stack([[0.5 * t / axis, 1.5 * n / axis, m / axis] for t, n, m in sides])
         turns = np.moveaxis(turns, (2, 3, 0, 1), (0, 1, 2, 3)).reshape(len(half), -1, 3)

@@ -256,3 +256,46 @@ def test_no_way_through_a_corner_is_shorter_than_the_certificate_says(degrees, j
     least = feed.certificate().least_s
     assert least - period <= 2.0 * half(corner) <= min(feed.duration, 2.0 * half(1e-6)) + 1e-9
     assert least >= 0.995 * 2.0 * half(corner)
+
+
+def _differences(points, starts, feed, order, period_s):
+    """Differences of positions a period apart along a polyline, by linear interpolation over its length."""
+    at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    lengths = feed.displacement(starts[:, None] + period_s * np.arange(order + 1))
+    places = np.stack([np.interp(lengths, at, axis) for axis in points.T], axis=2)
+    return np.diff(places, order, axis=1)[:, 0] / period_s**order
+
+
+WAVE = np.array([0.0, 0.0, 1.0, 1.0])[np.arange(60) % 4]
+ACROSS = {
+    "1e-9 mm": (np.array([(0, 0), (10, 0), (10, 1e-9), (20, 1e-9)]), 1.0),
+    "1e-6 mm": (np.array([(0, 0), (10, 0), (10, 1e-6), (20, 1e-6)]), 1.0),
+    "a fine circle": (3.0 * np.column_stack([f(np.linspace(0.0, 6.0, 3000)) for f in (np.cos, np.sin)]), 2.5),
+    "steps at random": (
+        np.column_stack([0.0095 * np.arange(60), 1e-3 * np.random.default_rng(4).integers(0, 2, 60)]),
+        np.inf,
+    ),
+    "steps in pairs": (np.column_stack([0.02 * np.arange(60), 2e-3 * WAVE]), np.inf),
+}
+
+
+@pytest.mark.parametrize("jerks", [{}, {"jerk": 2e4}, {"axis_acceleration": 900.0, "axis_jerk": 2.5e4}])
+@pytest.mark.parametrize("shape", ACROSS)
+def test_corners_of_one_period_are_added_as_vectors(shape, jerks):
+    """Corners that cancel cost no time, and no phase of the periods sees more than a limit allows."""
+    (points, most), period = ACROSS[shape], 1e-3
+    limits = {"speed": 100.0, "acceleration": 1000.0, "period_s": period} | jerks
+    curve = nl.NurbsCurve(1, np.arange(len(points) + 2).clip(1, len(points)), points)
+    feed = nl.plan_feed(curve, **limits)
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (curve.length(), 0)])
+    assert feed.duration <= most * nl.plan_feed(line, **limits).duration + 2 * period
+    at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    met = np.concatenate([feed.time_at(at), np.arange(0.0, feed.duration, 0.13 * period)])
+    for order in (2, 3):
+        starts = (met[:, None] - period * np.arange(order + 1)).ravel()
+        starts = starts[(starts >= 0.0) & (starts <= feed.duration - order * period)]
+        found = _differences(points, starts, feed, order, period)
+        if order == 2:
+            assert np.linalg.norm(found, axis=1).max() <= limits["acceleration"] * (1.0 + 1e-6)
+        name = "axis_acceleration" if order == 2 else "axis_jerk"
+        assert np.abs(found).max() <= limits.get(name, np.inf) * (1.0 + 1e-6)
