@@ -50,6 +50,7 @@ SKIN (rough), thicknesses of a skin      8        0, 0           a skin of 0.45 
 FINEST (rough), diameters                0.125    0, 0           a skin of 1.7 mm stays on a box, by 100 mm
 SLACK (rough), of the step down          0.05     -8, -6 *       +33, +6 ***; of the plate 0, 0
 PUSHED (search), radii                   2e-5     0, -1 +        0, -1 +
+RIM (link), diameters                    0.05     +2, +3         0, -7; of rough +14, +10 at half
 RAISES (link), points of a link          289      0, 0 +; 0.9 x  0, 0 +; 1.05 x the time
 SINGLE (part), sizes, normals, feeds     1e-6     0, 0 +         0, 0 +; at 0 +3, +15, and one is refused
 TOGETHER_MM (program)                    1e-9     0, 0 +         0, 0 +; at 0 +1, +6

@@ -27,6 +27,7 @@ CLOSE = 0.005  # between places at which that is checked
 PLUNGE = 1.0 / 3.0  # fraction of the feed: that of ways down into material
 RAMP_SLOPE = math.tan(math.radians(5.0))  # of a ramp, at most
 MOST_LEGS = 80  # of a ramp; a pass too short for its angle has a steeper one
+RIM = 0.05  # so near the rim of the cutter, material is scraped off on a way straight down
 RAISES = 289  # points of a link, denser at its ends, at which it is raised over the part
 _LINE, _LINK = [0.0, 0.0, 1.0, 1.0], [0.0] * 4 + [1 / 3, 2 / 3] + [1.0] * 4
 _BASIS = BSpline(_LINK, np.eye(6), 3)(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, RAISES)))
@@ -81,8 +82,8 @@ class Ways:
         To a pass that begins near the end of the one before, the tool stays down on the part and cuts as on a
         pass, along a cubic spline with the tangents of both or a straight one, raised over the part; a way
         down of more than a tenth of the diameter into material is a plunge. Otherwise the tool leaves
-        straight up, makes rapid moves above part and material, and comes straight down, or, where there is
-        material, from a free place beside it or on a ramp above the beginning of the pass.
+        straight up, makes rapid moves above part and material, and comes straight down, or, where more than
+        its rim meets material, from a free place beside it or on a ramp above the beginning of the pass.
         """
         curves = [path.curve for path in paths]
         starts, out = _with_tangents(curves, 0, 1, 1.0), _with_tangents(curves, -1, -2, -1.0)
@@ -146,11 +147,17 @@ class Ways:
     def _entry(self, curve, up):
         """Moves to the beginning of a pass: straight down, from beside it or on a ramp, by the material."""
         begin = curve.control_points[0]
+        deep, met = (
+            self.material.rest(begin[None, :2], wider)[0] - begin[2] for wider in (None, -RIM * self.size)
+        )
+        beside = self._aside(curve, up) if deep > up[2] else []
+        return beside or (self._ramp(curve, up) if met > up[2] else [self._down(begin, up)])
+
+    def _down(self, begin, up):
+        """The way straight down to a place, from where the cutter meets nothing."""
         deep = self.material.rest(begin[None, :2])[0] - begin[2]
-        if deep > up[2]:
-            return self._aside(curve, up) or self._ramp(curve, up)
         kind, feed = ("link", self.feed) if deep <= 0.0 else ("plunge", PLUNGE * self.feed)
-        return [Move(kind, _spline((begin + up, begin)), feed)]
+        return Move(kind, _spline((begin + max(up[2], deep) * np.eye(3)[2], begin)), feed)
 
     def _aside(self, curve, up):
         """A level way into material from a place beside it, first along the pass; none if there is none."""
@@ -172,7 +179,7 @@ class Ways:
         size, (u0, u1) = self.size, curve.domain
         length = min(NEAR * size, 0.9 * (u1 - u0))  # the parameter is nearly the length
         leg = curve.split(u0 + length)[0]
-        height = max(self._deep(leg), 0.0) + 0.5 * up[2]
+        height = max(self._deep(leg, -RIM * self.size), 0.0) + 0.5 * up[2]
         count = min(2 * math.ceil(height / (2.0 * length * RAMP_SLOPE)), MOST_LEGS)
         along = np.array([leg.knots[i : i + 3].mean() for i in range(1, len(leg.control_points) + 1)])
         along, curves = (along - leg.domain[0]) / (leg.domain[1] - leg.domain[0]), []
@@ -182,8 +189,8 @@ class Ways:
             control = leg.control_points + np.column_stack([np.zeros((len(along), 2)), lift])
             one = trusted_curve(3, leg.knots.copy(), control)
             curves.append(one if k % 2 == 0 else one.reverse())
-        begin = curves[0].control_points[0]
-        return [Move("plunge", one, PLUNGE * self.feed) for one in (_spline((begin + up, begin)), *curves)]
+        legs = [Move("plunge", one, PLUNGE * self.feed) for one in curves]
+        return [self._down(curves[0].control_points[0], up), *legs]
 
     def _rapids(self, last, begin):
         """Rapid moves from where the tool is, up, across and down to ``begin``; at first from safe height."""

@@ -165,6 +165,18 @@ def test_links_of_a_scan_are_rarely_retracts_and_plunge_only_into_material():
     assert (volumes[1:][(kinds[:-1] == "cut") & (kinds[1:] == "plunge")] > 0.0).all()
 
 
+def test_no_ramp_leads_through_what_the_rim_alone_meets():
+    """Into a gap narrower than the ball, beside walls: ramps through thin skins were a third of all moves."""
+
+    def height(x, y):
+        pocket = np.where((np.abs(x) < 8.0) & (np.abs(y) < 7.0), 0.0, 6.0)
+        return np.where(np.hypot(x + 1.0, y) < 2.0, 4.0, pocket)
+
+    program = nl.finish(block(height, 22.0, 66), CUTTERS["ball"], scallop=0.1, tolerance=0.02)
+    assert sum(move.kind == "plunge" for move in program.moves) < 0.2 * len(program.moves)
+    assert program.warnings == ()
+
+
 def test_links_along_one_line_and_back_have_no_cusp():
     part = trimesh.creation.cone(radius=6.0, height=9.0)
     program = nl.finish(part, nl.Cutter("ball", diameter=4.0), scallop=0.1, tolerance=0.02)
