@@ -80,7 +80,7 @@ def ant() -> trimesh.Trimesh:
 
 
 def nut() -> trimesh.Trimesh:
-    """A hexagonal nut: a closed mesh with one hole."""
+    """An octagonal nut: a closed mesh with one hole."""
     return _example("nutfile")
 
 
