@@ -191,9 +191,7 @@ class Layout:
         keep &= points[..., 2] > field.floor
         paths = []
         for line, kept in zip(points, keep, strict=True):
-            cliffs = np.flatnonzero(np.abs(np.diff(line[:, 2])) > np.tan(CLIFF) * field.step) + 1
-            for part, k in zip(np.split(line, cliffs), np.split(kept, cliffs), strict=True):
-                paths += [Path(run, None) for run, _ in runs(part, k, False)]
+            paths += [Path(run, None) for run, _ in runs(line, kept, False)]
         return paths
 
 
