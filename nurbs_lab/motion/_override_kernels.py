@@ -68,10 +68,8 @@ def _allowed(task, spot, v, a, jerk):
     """
     geometry, (along, vector, of_axes) = task[2][2], task[4][int(jerk)]
     planned, slope, change, _, corner, k, part = spot[3:]
-    room, rate = (
-        max(1.0 - corner[0] - corner[1] * v * v, 1e-9),
-        min(v / planned, 1.0) if planned > 0.0 else 0.0,
-    )
+    room = max(1.0 - corner[0] - corner[1] * v * v, 1e-9)
+    rate = min(v / planned, 1.0) if planned > 0.0 else 0.0
     own, turn, turn_of_own, twist = slope * rate**2, v * v, v * v, 0.0
     if jerk:
         own, turn, turn_of_own, twist = change * rate**3, 3.0 * v * a, 3.0 * v * own, v**3
