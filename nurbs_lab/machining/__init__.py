@@ -72,11 +72,11 @@ MOST_CELLS (stock)                       4e6      0, 0           0, 0; cells of 
 Rules switched off one at a time (2026-11; 16 to 30 programs of 13 parts, judged by a field of heights,
 distances and a clock that are no part of this package), and the time without them: walls left to the lowest
 waterline 2.6 x, the raster of discs 1.7 x, ways in from beside 1.5 x (roughing 2.4 x), sideways pushes 16 %
-more, waterlines along level faces 14 % of a plate and two warnings, cliffs 13 %, links
-tangent to both passes 7 %, closed gaps 5 %, cuts that plunge into little 3 to 6 %, rapid moves below the safe
-height 2 % (roughing 6 %), slopes of low steps 1 %, but a cone is cut 15 µm too deep, tips spared by
-waterlines up to 30 % of the way of programs after others; processor time of owners of edges 27 %, of trying
-the last triangle first 10 %. Without cuts in steps, one of 130 roughings bites 2.3 steps deep, not one.
+more, waterlines along level faces 14 % of a plate and two warnings, cliffs 13 %, links tangent to both passes
+7 %, closed gaps 5 %, cuts that plunge into little 3 to 6 %, rapid moves below the safe height 2 % (roughing
+6 %), slopes of low steps 1 %, but a cone is cut 15 µm too deep, tips spared by waterlines up to 30 % of the
+way of programs after others; processor time of owners of edges 27 %, of trying the last triangle first 10 %.
+Without cuts in steps, one of 130 roughings bites 2.3 steps deep, not one.
 
 Definitions: HALF (half the diagonal of a cell), NEEDLE (a cutter without width), ROBERTS (the sequence R2),
 MACHINE (a small machine), _LINE, _LINK, _BASIS, _STRAIGHT (splines of links; without the straight

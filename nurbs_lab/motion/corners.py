@@ -36,8 +36,8 @@ def slowed_at_corners(path, limits):
     (begun, held, ended), names = limits.corner_speeds(at, path.kinks[:, 1:], least)
     reach_s = np.full(len(at), limits.period_s)
     middles = at + reach_s * np.minimum(begun, least), at - reach_s * np.minimum(ended, least)
-    windows = zip((*middles,), (begun, ended), names[::2], (least, least), (reach_s, reach_s), strict=True)
-    names = names[1]
+    windows = [middles, (begun, ended), names[::2], (least, least), (reach_s, reach_s)]
+    names = names[1]  # of the windows around corners, which are the zones
     if not limits.soft:
         stops = _stops(path, limits, held) & (names != "chord_error")
         held, reach_s = np.where(stops, _NEGLIGIBLE, 1.0) * held, np.where(stops, 0.0, reach_s)
@@ -52,7 +52,7 @@ def slowed_at_corners(path, limits):
         held, names = np.append(held, most), np.append(names, np.full(len(first), "axis_jerk", dtype=object))
         least = np.interp(at, path.lengths, path.speeds)
     zones = _telling([at, held, names, least, reach_s])
-    windows = _telling([np.concatenate(pair) for pair in zip(*windows, strict=True)])
+    windows = _telling([np.concatenate(pair) for pair in windows])
     free = _without_zones(windows, zones)
     rows = [np.append(one, other[free]) for one, other in zip(zones, windows, strict=True)]
     order = np.argsort(rows[0], kind="stable")

@@ -146,6 +146,6 @@ class Limits(Value):
         corners = lengths, np.ascontiguousarray(steps), fastest
         for row, (order, places, between, budgets) in zip(table, rows.values(), strict=True):
             for k in places:
-                out = row[k] if len(places) == 3 else row[1]
+                out = row[k if len(places) == 3 else 1]  # those of one or two places count as around
                 _kernels.pass_speeds(corners, (order, k), between, budgets, self.speed, out)
         return table.min(axis=0), np.array(list(rows), dtype=object)[table.argmin(axis=0)]
