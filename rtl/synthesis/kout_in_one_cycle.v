@@ -20,13 +20,16 @@ module kout_in_one_cycle #(parameter integer W = 20, METHOD = 0) (
     always @(posedge clk) begin x0 <= x; y0 <= y; du0 <= du; s0 <= s; k <= quotient; end
 endmodule
 
-module bit_by_bit #(parameter integer W = 20) (input wire [2*W-1:0] squares, product, output reg [W-1:0] quotient);
+module bit_by_bit #(parameter integer W = 20) (
+    input wire [2*W-1:0] squares, product, output reg [W-1:0] quotient
+);
     reg [W-1:0] root; reg [W+2:0] rest; reg [W+1:0] left; // the highest bit of rest and left is a sign
     integer i;
     always @* begin
         root = 0; rest = 0;
         for (i = W - 1; i >= 0; i = i - 1) begin // root ends in 1 where a bit of it was found, rest >= 0
-            rest = {rest[W:0], squares[2*i +: 2]} + ({1'b0, root, rest[W+2], 1'b1} ^ {W+3{!rest[W+2]}}) + !rest[W+2];
+            rest = {rest[W:0], squares[2*i +: 2]}
+                 + ({1'b0, root, rest[W+2], 1'b1} ^ {W+3{!rest[W+2]}}) + !rest[W+2];
             root = {root[W-2:0], !rest[W+2]};
         end
         left = product[2*W-1:W]; quotient = 0;
@@ -37,7 +40,9 @@ module bit_by_bit #(parameter integer W = 20) (input wire [2*W-1:0] squares, pro
     end
 endmodule
 
-module table_of_roots #(parameter integer W = 20) (input wire [2*W-1:0] squares, product, output wire [W-1:0] quotient);
+module table_of_roots #(parameter integer W = 20) (
+    input wire [2*W-1:0] squares, product, output wire [W-1:0] quotient
+);
     reg [W-1:0] inverse [0:1023]; // 2^(W-1) / root((index + 1/2) / 1024), from 256 on
     initial $readmemh("inverse_roots.hex", inverse);
     // Both shifted up together, squares by pairs of bits, until one of its two highest bits is 1.
@@ -46,7 +51,9 @@ module table_of_roots #(parameter integer W = 20) (input wire [2*W-1:0] squares,
     always @* begin
         high = squares; shifted = product;
         for (j = 4; j >= 0; j = j - 1)
-            if ((1 << j) < W && high >> (2 * W - (2 << j)) == 0) begin high = high << (2 << j); shifted = shifted << (1 << j); end
+            if ((1 << j) < W && high >> (2 * W - (2 << j)) == 0) begin
+                high = high << (2 << j); shifted = shifted << (1 << j);
+            end
     end
     wire [2*W-1:0] scaled = shifted[2*W-1:W] * inverse[high[2*W-1 -: 10]];
     assign quotient = scaled[2*W-2:W-1];
