@@ -116,7 +116,10 @@ class Ways:
 
     def _deep(self, curve, wider=None):
         """How far above a curve the tip meets no material, as `Material.rest` has it, in mm."""
-        tips = self.material.along(curve)
+        return self._over(self.material.along(curve), wider)
+
+    def _over(self, tips, wider=None):
+        """How far above tips ``(n, 3)`` they meet no material, in mm."""
         return float((self.material.rest(tips[:, :2], wider) - tips[:, 2]).max())
 
     def _links(self, out, starts):
@@ -146,16 +149,14 @@ class Ways:
 
     def _entry(self, curve, up):
         """Moves to the beginning of a pass: straight down, from beside it or on a ramp, by the material."""
-        begin = curve.control_points[0]
-        deep, met = (
-            self.material.rest(begin[None, :2], wider)[0] - begin[2] for wider in (None, -RIM * self.size)
-        )
-        beside = self._aside(curve, up) if deep > up[2] else []
-        return beside or (self._ramp(curve, up) if met > up[2] else [self._down(begin, up)])
+        begin = curve.control_points[:1]
+        beside = self._aside(curve, up) if self._over(begin) > up[2] else []
+        inside = self._over(begin, -RIM * self.size) > up[2]  # not the rim alone
+        return beside or (self._ramp(curve, up) if inside else [self._down(begin[0], up)])
 
     def _down(self, begin, up):
         """The way straight down to a place, from where the cutter meets nothing."""
-        deep = self.material.rest(begin[None, :2])[0] - begin[2]
+        deep = self._over(begin[None])
         kind, feed = ("link", self.feed) if deep <= 0.0 else ("plunge", PLUNGE * self.feed)
         return Move(kind, _spline((begin + max(up[2], deep) * np.eye(3)[2], begin)), feed)
 
