@@ -82,8 +82,7 @@ class Part:
         found, made = {}, self.reconstruction
         if made is not None:
             found["solid"] = png(plotting.surface(made))
-            look = {"tolerance": made.tolerance, "cmap": "YlGnBu"}  # pale where nothing is off
-            found["deviation"] = png(plotting.deviation(made.mesh, made.deviation, **look))
+            found["deviation"] = png(plotting.deviation(made.mesh, made.deviation, tolerance=made.tolerance))
         found["tool path"] = png_of(plotting.path(self.path))
         found["feed"] = png_of(plotting.feed(self.path.feed))
         found["feed fluctuation"] = png_of(plotting.fluctuation(self.path))

@@ -158,7 +158,7 @@
       gl.uniform2fv(at("scale"), scale);
       gl.uniform1f(at("size"), part.size * ratio);
       gl.uniform1f(at("opacity"), part.opacity);
-      gl.uniform1f(at("lit"), part.solid ? 1 : 0);
+      gl.uniform1f(at("lit"), part.solid ? (part.colours ? 0.3 : 1) : 0); // colours that tell a number stay true
       gl.uniform1f(at("depth"), part.solid ? 0 : 0.004); // lines lie on surfaces, not in them
       if (part.opacity < 1) gl.enable(gl.BLEND); else gl.disable(gl.BLEND);
       gl.depthMask(part.opacity === 1);

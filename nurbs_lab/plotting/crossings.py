@@ -4,8 +4,8 @@ import numpy as np
 import pyvista as pv
 
 from nurbs_lab.plotting.solids import MATERIAL
-from nurbs_lab.plotting.stage import INK, frame, given_or_new, name_points, polylines
-from nurbs_lab.plotting.style import BLUE, ORANGE, RED, SKY, takes_stage
+from nurbs_lab.plotting.stage import INK, frame, name_points, polylines, takes_stage
+from nurbs_lab.plotting.style import BLUE, ORANGE, RED, SKY
 
 THIN, THICK, DOT = 0.004, 0.009, 0.02  # radii of edges, of the cut and of its points, over the size
 
@@ -21,7 +21,6 @@ def plane_and_triangle(graph, contour, *, at=0, stage=None, title=None):
     at : int
         Which segment of the contour.
     """
-    stage = given_or_new(stage)
     ends = _segment(contour, at)
     corners = graph.vertices[graph.triangles[contour.triangles[at]]]
     corners = np.roll(corners, -_edge_of(ends[0], corners), axis=0)  # the paper has Qk on the edge Q1 Q2
@@ -41,7 +40,6 @@ def repeating_node(graph, contour, *, at=0, stage=None, title=None):
     at : int
         Which segment of the contour; the next one is drawn with it.
     """
-    stage = given_or_new(stage)
     triangles = graph.vertices[graph.triangles[contour.triangles[[at, (at + 1) % len(contour.triangles)]]]]
     first, second = _segment(contour, at), _segment(contour, at + 1)
     left = 0.3 * np.ptp(first, axis=0).max() * _view(triangles)[1]  # half of a name

@@ -11,8 +11,8 @@ from nurbs_lab.machining import prepare_part, simulate
 from nurbs_lab.machining.stock import as_stock
 from nurbs_lab.plotting.general import animation
 from nurbs_lab.plotting.solids import MATERIAL, triangles
-from nurbs_lab.plotting.stage import CLAY, frame, given_or_new, polylines, scene
-from nurbs_lab.plotting.style import BLUE, GREEN, GREY, ORANGE, PINK, SIGNED, canvas, takes_axes, takes_stage
+from nurbs_lab.plotting.stage import CLAY, frame, polylines, scene, takes_stage
+from nurbs_lab.plotting.style import BLUE, GREEN, GREY, ORANGE, PINK, SIGNED, canvas, takes_axes
 
 KINDS = {"cut": (BLUE, 2.0), "link": (ORANGE, 5.0), "plunge": (GREEN, 5.0), "rapid": (PINK, 5.0)}  # , width
 SPACING = 0.4  # mm between the points that are drawn
@@ -29,7 +29,6 @@ def program(program, *, part=None, stage=None, title=None):
     part : as for `drop_cutter`, optional
         Drawn under the moves.
     """
-    stage = given_or_new(stage)
     if part is not None:
         stage.add_mesh(_surface(part), color=CLAY, **MATERIAL)
     for kind, (colour, width) in KINDS.items():
@@ -48,7 +47,6 @@ def milled(simulation, *, stage=None, title=None):
     ----------
     simulation : Simulation
     """
-    stage = given_or_new(stage)
     stage.add_mesh(_block(simulation), color=CLAY, smooth_shading=False, **MATERIAL)
     return frame(stage, title=title)
 
@@ -65,7 +63,7 @@ def reached(verification, part, *, stage=None, title=None):
     part : as for `drop_cutter`
     """
     sets = verification.points, verification.narrow_points, verification.hidden_points
-    part, stage = prepare_part(part), given_or_new(stage)
+    part = prepare_part(part)
     surface = _surface(part)
     nearest = cKDTree(np.concatenate(sets)).query(surface.cell_centers().points)[1]
     kinds = np.repeat(np.arange(3), [len(points) for points in sets])[nearest]

@@ -34,7 +34,8 @@ def packed(stage):
         compressed arrays in base64.
         None if the scene has nothing to turn or is too heavy to be stored.
     """
-    actors = [[one for one in view.actors.values() if isinstance(one, pv.Actor)] for view in stage.renderers]
+    shown = [[one for one in view.actors.values() if isinstance(one, pv.Actor)] for view in stage.renderers]
+    actors = [[one for one in view if one.use_bounds] for view in shown]  # no outlines
     bodies = sum(_coloured(one).n_faces > 0 for view in actors for one in view)
     most = MOST_TRIANGLES / max(bodies, 1)
     views = [_view(view, parts, most) for view, parts in zip(stage.renderers, actors, strict=True)]

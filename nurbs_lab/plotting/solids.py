@@ -7,8 +7,9 @@ from nurbs_lab.mesh import Deviation, TrimmedShell
 from nurbs_lab.mesh.read import arrays_of
 from nurbs_lab.mesh.solid.faces import KINDS, kinds_of_faces
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters
-from nurbs_lab.plotting.stage import CLAY, FONT, INK, frame, given_or_new, lay, name_points, polylines, scene
-from nurbs_lab.plotting.style import BLUE, COLOURS, MAGNITUDE, RED, SIGNED, takes_stage
+from nurbs_lab.plotting.picture import FONT
+from nurbs_lab.plotting.stage import CLAY, INK, frame, lay, lift, name_points, polylines, scene, takes_stage
+from nurbs_lab.plotting.style import BLUE, COLOURS, DISTANCE, GREEN, MAGNITUDE, RED, SIGNED
 
 MATERIAL = {"ambient": 0.12, "diffuse": 0.9, "specular": 0.25, "specular_power": 30}
 # Normals are blended over edges that turn by less, in degrees.
@@ -26,7 +27,7 @@ def cloud(points, *, stage=None, title=None):
     ----------
     points : array_like, shape (n, 3)
     """
-    points, stage = np.asarray(points, float), given_or_new(stage)
+    points = np.asarray(points, float)
     size = 4.0 if len(points) < 10_000 else 2.0
     stage.add_points(
         points, scalars=points[:, 2], cmap=MAGNITUDE, point_size=size,
@@ -45,7 +46,7 @@ def mesh(mesh, *, edges=True, stage=None, title=None):
     edges : bool
         Draw the edges of the triangles.
     """
-    mesh, stage = triangles(mesh), given_or_new(stage)
+    mesh = triangles(mesh)
     stage.add_mesh(
         mesh, color=CLAY, show_edges=edges, edge_color="#5a6475", edge_opacity=0.35,
         line_width=0.5, **MATERIAL, **({} if edges else _SMOOTH),
@@ -65,7 +66,6 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
     curves : sequence of NurbsCurve, optional
         In space; drawn instead of the polylines.
     """
-    stage = given_or_new(stage)
     if mesh is not None:
         stage.add_mesh(triangles(mesh), color=CLAY, **_SMOOTH, **MATERIAL)
     if curves is not None:
@@ -94,9 +94,8 @@ def surface(surfaces, *, isocurves=True, color=CLAY, stage=None, title=None):
     """
     trimmed = any(isinstance(shell, TrimmedShell) for shell in getattr(surfaces, "shells", ()))
     if trimmed:
-        return _trimmed(surfaces, given_or_new(stage), lambda kind: color, isocurves, title)
+        return _trimmed(surfaces, stage, lambda kind: color, isocurves, title)
     surfaces = surfaces_of(surfaces)
-    stage = given_or_new(stage)
     stage.add_mesh(quilt(*surfaces), color=color, interpolation="Phong", **MATERIAL)
     if isocurves:
         lines = [line for one in surfaces for line in _isocurves(one)]
@@ -112,7 +111,6 @@ def faces(solid, *, stage=None, title=None):
     ----------
     solid : Reconstruction
     """
-    stage = given_or_new(stage)
     colours, legend = dict(zip(KINDS, COLOURS, strict=False)), []
     for kind in KINDS:
         if some := [face for face in solid.faces if face.kind == kind]:
@@ -152,7 +150,6 @@ def control_net(surface, *, stage=None, title=None):
     ----------
     surface : NurbsSurface, sequence of them, or Reconstruction
     """
-    stage = given_or_new(stage)
     for one in surfaces_of(surface):
         net = one.control_points
         stage.add_mesh(quilt(one), color=CLAY, opacity=0.6, interpolation="Phong", **MATERIAL)
@@ -162,8 +159,10 @@ def control_net(surface, *, stage=None, title=None):
 
 
 @takes_stage
-def deviation(mesh, values, *, tolerance=None, cmap=MAGNITUDE, stage=None, title=None):
+def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
     """Where a reconstruction departs from its mesh, with a colour bar in mm.
+
+    The colours are those of the bar exactly, because no light falls on the body. Lines show its shape.
 
     Parameters
     ----------
@@ -172,20 +171,23 @@ def deviation(mesh, values, *, tolerance=None, cmap=MAGNITUDE, stage=None, title
         Distances in mm. All positive ones are drawn in one sequence of colours; signed ones in two that meet
         at zero. With a `Deviation` that exceeds the tolerance, the worst place is marked.
     tolerance : float, optional
-        In mm: the end of the colour bar, so that pictures can be compared; what lies beyond is red.
-    cmap : str
-        Colours of unsigned distances, by matplotlib's name.
+        In mm: the end of the colour bar, so that pictures can be compared; what lies above is red, and what
+        lies below green.
     """
     mesh = triangles(mesh)
     measured, values = (values, values.vertices) if isinstance(values, Deviation) else (None, values)
-    values, stage = np.asarray(values, float), given_or_new(stage)
+    values = np.asarray(values, float)
     reach = tolerance or float(np.abs(values).max()) or 1.0
     signed = values.min() < 0
     stage.add_mesh(
-        mesh, scalars=values, clim=(-reach if signed else 0.0, reach),
-        cmap=SIGNED if signed else cmap, above_color=RED if tolerance else None, **_SMOOTH,
-        ambient=0.55, diffuse=0.6, show_scalar_bar=False,
+        mesh, scalars=values, clim=(-reach if signed else 0.0, reach), cmap=SIGNED if signed else DISTANCE,
+        above_color=RED if values.max() > reach else None,
+        below_color=GREEN if values.min() < -reach else None, lighting=False, show_scalar_bar=False,
     )  # fmt: skip
+    rim = stage.add_silhouette(mesh, color=RIM, line_width=2.0, feature_angle=_SMOOTH["feature_angle"])
+    rim.use_bounds = False  # so it is not stored with scenes that turn: it belongs to one camera
+    rim.mapper.GetInputAlgorithm().SetDirectionToCameraVector()  # the projection is parallel
+    lift(rim)
     bar = stage.add_scalar_bar(
         title="deviation [mm]", vertical=True, position_x=0.86, position_y=0.15, height=0.7, width=0.06,
         n_labels=5 if signed else 6, fmt="%.3g", color=INK, title_font_size=14, label_font_size=13,

@@ -4,12 +4,13 @@ import os
 import re
 import sys
 from contextlib import contextmanager
+from functools import wraps
+from inspect import cleandoc
 
 import numpy as np
 import pyvista as pv
 from matplotlib.figure import Figure
 from PIL import Image
-from vtkmodules.vtkCommonCore import vtkLogger
 
 from nurbs_lab.plotting.orbit import MIME, packed
 from nurbs_lab.plotting.picture import FONT, Stored, stored_png
@@ -35,7 +36,7 @@ def scene(*, columns=1, width=760, height=560):
     -------
     pyvista.Plotter
     """
-    with _without_display_warnings():
+    with pv.vtk_verbosity("error"):  # VTK warns where there is no X server before it renders without one
         stage = pv.Plotter(
             shape=(1, columns), window_size=(width, height), border=False, off_screen=not live()
         )
@@ -47,9 +48,26 @@ def scene(*, columns=1, width=760, height=560):
     return stage
 
 
-def given_or_new(stage):
-    """The scene to draw into, a new one if none is given."""
-    return scene() if stage is None else stage
+_STAGE = """
+stage : pyvista.Plotter, optional
+    Draw into this scene instead of a new one.
+title : str, optional
+
+Returns
+-------
+pyvista.Plotter
+"""
+
+
+def takes_stage(function):
+    """Decorate a function that draws into a scene, a new one if none is given; its docstring says so."""
+
+    @wraps(function)
+    def draw(*args, stage=None, **options):
+        return function(*args, stage=scene() if stage is None else stage, **options)
+
+    draw.__doc__ = cleandoc(function.__doc__) + _STAGE
+    return draw
 
 
 def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7), left=0.0, right=0.0):
@@ -147,17 +165,6 @@ def image(stage):
     return picture
 
 
-@contextmanager
-def _without_display_warnings():
-    """Silence VTK, which warns that there is no X server before it renders without one."""
-    before = vtkLogger.GetCurrentVerbosityCutoff()
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
-    try:
-        yield
-    finally:
-        vtkLogger.SetStderrVerbosity(before)
-
-
 def live():
     """Whether a notebook runs that does not ask for stored pictures."""
     if os.environ.get("PYVISTA_JUPYTER_BACKEND") == "static":
@@ -168,10 +175,14 @@ def live():
 
 
 def lay(stage, pieces, **options):
-    """Draw polylines that lie on bodies: moved a little towards the eye, so that they are not broken."""
-    actor = stage.add_mesh(polylines(pieces), **options)
-    actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
-    actor.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-2.0, -8.0)
+    """Draw polylines that lie on bodies."""
+    lift(stage.add_mesh(polylines(pieces), **options))
+
+
+def lift(lines):
+    """Move lines a little towards the eye, so that the body on which they lie does not break them."""
+    lines.mapper.SetResolveCoincidentTopologyToPolygonOffset()
+    lines.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-2.0, -8.0)
 
 
 def name_points(stage, points, names, color):

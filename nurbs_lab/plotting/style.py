@@ -2,11 +2,10 @@
 
 The colours are those of Okabe and Ito, which people with any of the common colour-vision deficiencies can
 tell apart; line styles and markers differ as well wherever two lines share a picture. Magnitudes are drawn in
-viridis, signed values in a diverging map centred on zero.
+viridis, deviations in maps that are pale at zero.
 """
 
 from contextlib import contextmanager
-from functools import partial
 from inspect import cleandoc
 
 import matplotlib.pyplot as plt
@@ -33,7 +32,7 @@ LIMITS = {
 }
 OTHER_LIMIT = GREY, "oo"
 MAGNITUDE = "viridis"
-SIGNED = "RdBu_r"
+SIGNED, DISTANCE = "RdBu_r", "YlGnBu"  # of deviations with and without a sign: both are pale at zero
 
 STYLE = {
     "figure.dpi": 100,
@@ -85,24 +84,12 @@ Returns
 -------
 matplotlib Figure
 """
-_STAGE = """
-stage : pyvista.Plotter, optional
-    Draw into this scene instead of a new one.
-title : str, optional
-
-Returns
--------
-pyvista.Plotter
-"""
 
 
-def takes_axes(function, more=_AX):
+def takes_axes(function):
     """Decorate a function that draws a figure: its docstring is completed by the argument ``ax``."""
-    function.__doc__ = cleandoc(function.__doc__) + more
+    function.__doc__ = cleandoc(function.__doc__) + _AX
     return function
-
-
-takes_stage = partial(takes_axes, more=_STAGE)
 
 
 def subplots(rows=1, columns=1, width=7.0, height=4.0, **options):

@@ -10,6 +10,7 @@ import zlib
 import numpy as np
 import pytest
 import trimesh
+from matplotlib import colormaps
 from PIL import Image
 
 import nurbs_lab as nl
@@ -69,8 +70,22 @@ def test_the_worst_place_is_marked_where_a_tolerance_is_missed(pipe):
     values = np.full(len(pipe.vertices), 0.5)
     missed = Deviation(spread.values, spread, spread, values, far)
     marked, plain = (pixels(nl.plotting.deviation(pipe, missed, tolerance=most)) for most in (1.0, 3.0))
-    dark = [(picture.max(axis=2) < 60).sum() for picture in (marked, plain)]
+    dark = [(picture[:, :600].max(axis=2) < 60).sum() for picture in (marked, plain)]  # without the bar
     assert dark[0] > dark[1] + 50
+
+
+@pytest.mark.parametrize(("lowest", "swatch"), [(0.0, 0), (-1.0, 0), (-2.0, 1)])
+def test_a_deviation_has_exactly_the_colour_of_its_number_in_the_bar(lowest, swatch):
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    heights = np.where(ball.vertices[:, 2] > 0, 0.75, lowest)
+    picture = pixels(nl.plotting.deviation(ball, heights, tolerance=1.0))
+    first, last = (0.0, 1.0) if lowest == 0 else (-1.0, 1.0)
+    colours = colormaps["YlGnBu" if lowest == 0 else "RdBu_r"]
+    expected = 255 * np.array(colours((0.75 - first) / (last - first))[:3])
+    half = picture[100:250, 200:450].reshape(-1, 3)  # of the ball, the upper one
+    assert (np.abs(half - expected).max(axis=1) <= 4).mean() > 0.9
+    green = (np.abs(picture - (0, 158, 115)).max(axis=2) <= 4)[:, 600:]  # beside the ball
+    assert (green.sum() > 50) == swatch
 
 
 def test_reached_places_are_blue_and_those_below_grey():
