@@ -32,19 +32,19 @@ def test_the_stored_results_are_inside_the_budget():
         }
     assert BUDGET["cached"]["ecp5_25f"]["fmax_mhz"] == ["at least", 50]  # of the paper
     assert synthesis.over_budget(STORED, BUDGET) == []
-    assert tuple(KOUT_MHZ) == synthesis.KOUT_METHODS
+    assert len(KOUT_MHZ) == len(synthesis.KOUT_METHODS) * len(synthesis.KOUT_BITS)
     assert all(len(clocks) == 3 for clocks in KOUT_MHZ.values())
     every = [clock for clocks in KOUT_MHZ.values() for clock in clocks]
     assert 0 < min(every) < max(every) < 50  # Kout does not finish in one cycle of the paper's clock
 
 
 SLOPES = """
-module bench;
-    reg clk = 0; reg signed [19:0] x, y, du; reg [18:0] s; wire [19:0] k; integer n, seed = 1;
-    kout_in_one_cycle #(.METHOD(METHOD)) dut (clk, x, y, du, s, k);
+module bench #(parameter integer METHOD = 0, W = 20);
+    reg clk = 0; reg signed [W-1:0] x, y, du; reg [W-2:0] s; wire [W-1:0] k; integer n, seed = 1;
+    kout_in_one_cycle #(.METHOD(METHOD), .W(W)) dut (clk, x, y, du, s, k);
     initial for (n = 0; n < 2000; n = n + 1) begin
         x = $random(seed) >>> ($random(seed) & 7); y = $random(seed) >>> ($random(seed) & 7);
-        du = $random(seed) & 20'h7ffff; s = $random(seed) >>> ($random(seed) & 7);
+        du = $random(seed) & {W-1{1'b1}}; s = $random(seed) >>> ($random(seed) & 7);
         repeat (2) begin #1 clk = 1; #1 clk = 0; end
         $display("%0d %0d %0d %0d %0d", x, y, du, s, k);
     end
@@ -52,19 +52,22 @@ endmodule
 """
 
 
+@pytest.mark.parametrize("bits", synthesis.KOUT_BITS)
 @pytest.mark.parametrize(("method", "part"), [(0, 0), (1, 0.0015)])
-def test_kout_in_one_cycle_finds_the_slope(tmp_path, method, part):
-    synthesis.write_inverse_roots(tmp_path)
-    (tmp_path / "bench.v").write_text(SLOPES.replace("(METHOD)", f"({method})"))
+def test_kout_in_one_cycle_finds_the_slope(tmp_path, method, part, bits):
+    synthesis.write_inverse_roots(tmp_path, bits)
+    part += 2.0 ** (1 - bits) * bool(part)  # the last bit of the table
+    (tmp_path / "bench.v").write_text(SLOPES)
+    given = f"-Pbench.METHOD={method}", f"-Pbench.W={bits}"
     design = RTL / "synthesis" / "kout_in_one_cycle.v"
-    subprocess.run(["iverilog", "-o", "run", "bench.v", design], cwd=tmp_path, check=True)
+    subprocess.run(["iverilog", *given, "-o", "run", "bench.v", design], cwd=tmp_path, check=True)
     done = subprocess.run(["vvp", "-n", "run"], cwd=tmp_path, check=True, capture_output=True, text=True)
     checked = 0
     for line in done.stdout.splitlines():
         x, y, du, s, k = map(int, line.split())
         squares = x * x + y * y
         exact = s * du // (math.sqrt(squares) if part else math.isqrt(squares))
-        if exact < 2**20:  # else it overflows
+        if exact < 2**bits:  # else it overflows
             assert abs(k - exact) <= part * exact + 2 * bool(part)
             checked += 1
     assert checked > 1000

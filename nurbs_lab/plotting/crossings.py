@@ -24,8 +24,8 @@ def plane_and_triangle(graph, contour, *, at=0, stage=None, title=None):
     ends = _segment(contour, at)
     corners = graph.vertices[graph.triangles[contour.triangles[at]]]
     corners = np.roll(corners, -_edge_of(ends[0], corners), axis=0)  # the paper has Qk on the edge Q1 Q2
-    name_points(stage, corners, ["  Q₁", "  Q₂", "  Q₃"], BLUE)
-    name_points(stage, _raised(ends, corners, -0.12), ["  Qₖ", "  Qₖ₊₁"], INK)
+    name_points(stage, _outside(corners, corners), ["Q₁", "Q₂", "Q₃"], BLUE)
+    name_points(stage, _outside(ends, corners), ["Qₖ", "Qₖ₊₁"], INK)
     return _framed(stage, title, corners[None], contour, ends)
 
 
@@ -44,7 +44,8 @@ def repeating_node(graph, contour, *, at=0, stage=None, title=None):
     first, second = _segment(contour, at), _segment(contour, at + 1)
     left = 0.3 * np.ptp(first, axis=0).max() * _view(triangles)[1]  # half of a name
     name_points(stage, triangles.mean(axis=1) - left, ["first", "second"], BLUE)
-    name_points(stage, _raised(first[1:], triangles[0], 0.05), ["  repeating node"], INK)
+    above = first[1:] + np.array([0.0, 0.0, 0.05 * np.ptp(triangles[0], axis=0).max()])
+    name_points(stage, above, ["  repeating node"], INK)
     return _framed(stage, title, triangles, contour, np.vstack([first, second[1:]]))
 
 
@@ -60,9 +61,12 @@ def _edge_of(point, corners):
     return int(off.argmin())
 
 
-def _raised(points, corners, part):
-    """Places for names beside points on a thick line, above or below them by a part of a triangle's size."""
-    return points + np.array([0.0, 0.0, part * np.ptp(corners, axis=0).max()])
+def _outside(points, corners):
+    """Places for names beside points, each away from the middle of the points, in the view of a triangle."""
+    size, right = np.ptp(corners, axis=0).max(), _view(corners[None])[1]
+    away = points - points.mean(axis=0)
+    away *= size / np.linalg.norm(away, axis=1)[:, None]
+    return points + 0.22 * away - 0.1 * size * right - [0.0, 0.0, 0.04 * size]  # by half a name
 
 
 def _framed(stage, title, triangles, contour, cut):
@@ -83,7 +87,7 @@ def _framed(stage, title, triangles, contour, cut):
     stage.add_mesh(dots, color=RED, smooth_shading=True, **MATERIAL)
     length = float(f"{size / 4:.0e}")  # of the axes: one digit
     towards, right = _view(triangles)
-    origin = plane[np.argmin(plane @ right)] - 1.2 * length * right  # left of everything
+    origin = plane[np.argmin(plane @ right)] - 1.6 * length * right  # left of everything
     tips = origin + length * np.eye(3)
     stage.add_mesh(polylines([np.array([origin, tip]) for tip in tips]), color=INK, line_width=2)
     name_points(stage, tips, ["x", "y", f"z, {length:g} mm"], INK)

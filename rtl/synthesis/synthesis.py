@@ -7,6 +7,7 @@ import sys
 import tempfile
 from collections import Counter
 from contextlib import contextmanager
+from itertools import product
 from math import ceil, sqrt
 from pathlib import Path
 
@@ -27,6 +28,8 @@ SEEDS = range(1, 9)
 CHIP = {"cells": 24288, "multipliers": 28, "memory_blocks": 56}
 #: How ``Kout`` finds its root and its quotient in one cycle: the METHOD of kout_in_one_cycle.v, by number.
 KOUT_METHODS = ("bit by bit", "a table")
+#: The words of kout_in_one_cycle.v: the shortest with which the paper's run starts, and far too short ones.
+KOUT_BITS = (20, 8)
 #: The clock that is wanted.
 WANTED_MHZ = 50
 #: Depth to width of an M4K block of Cyclone II.
@@ -75,19 +78,20 @@ def clock_mhz(placed):
 
 
 def kout_in_one_cycle_mhz() -> dict:
-    """The clocks at which ``Kout`` would finish in one cycle, by method: three placements each."""
+    """The clocks at which ``Kout`` would finish in one cycle, by method and word: three placements each."""
     clocks = {}
-    for number, method in enumerate(KOUT_METHODS):
+    for bits, (number, method) in product(KOUT_BITS, enumerate(KOUT_METHODS)):
         with workplace() as folder:
-            write_inverse_roots(folder)
+            write_inverse_roots(folder, bits)
             read = "read_verilog -defer rtl/synthesis/kout_in_one_cycle.v; "
-            read += f"chparam -set METHOD {number} kout_in_one_cycle; "
+            read += f"chparam -set METHOD {number} -set W {bits} kout_in_one_cycle; "
             synthesize_ecp5(folder, read, "kout_in_one_cycle")
-            clocks[method] = [clock_mhz(place(folder, seed)) for seed in SEEDS[:3]]
+            placements = [clock_mhz(place(folder, seed)) for seed in SEEDS[:3]]
+            clocks[f"{method}, {bits} bits"] = placements
     return clocks
 
 
-def write_inverse_roots(folder, bits=20):
+def write_inverse_roots(folder, bits):
     """Write the table of ``kout_in_one_cycle``; the places of numbers below 1/4 are never read."""
     places = [(max(index, 256) + 0.5) / 1024 for index in range(1024)]
     words = [min(2**bits - 1, int(2 ** (bits - 1) / sqrt(place))) for place in places]

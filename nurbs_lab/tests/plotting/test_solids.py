@@ -124,9 +124,14 @@ def test_a_cut_triangle_turns_with_its_names(tetrahedron):
         (view,) = packed(nl.plotting.plane_and_triangle(tetrahedron, contour, at=at))["views"]
         place = {name["text"].strip().split(",")[0]: np.array(name["at"]) for name in view["names"]}
         assert set(place) == {"Q₁", "Q₂", "Q₃", "Qₖ", "Qₖ₊₁", "x", "y", "z"}
-        edge, part = place["Q₂"] - place["Q₁"], place["Qₖ"] - place["Q₁"]
-        off = edge[0] * part[1] - edge[1] * part[0]
-        assert off == pytest.approx(0.0, abs=1e-5)  # the name of Qk is below the edge Q1 Q2
+        edges = {
+            "Q₁": place["Q₂"] - place["Q₁"],
+            "Q₂": place["Q₃"] - place["Q₂"],
+            "Q₃": place["Q₁"] - place["Q₃"],
+        }
+        off = {name: np.cross(edge, place["Qₖ"] - place[name]) for name, edge in edges.items()}
+        off = {name: np.linalg.norm(area) / np.linalg.norm(edges[name]) for name, area in off.items()}
+        assert min(off, key=off.get) == "Q₁"  # the name of Qk is nearest to the edge Q1 Q2
         assert place["Qₖ"][2] == pytest.approx(place["Qₖ₊₁"][2], abs=1e-5)
         assert all(part["arrays"] for part in view["parts"])
 
