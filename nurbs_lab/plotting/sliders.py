@@ -118,7 +118,8 @@ def _positions(control):
 
 def label(name):
     """The words of a name, and in brackets the unit in which it may end."""
-    return re.sub(" (mm|um|ms)$", r" [\1]", name.replace("_", " ")).replace("[um", "[µm")
+    words = re.sub(" (mm s|mm|um|ms)$", r" [\1]", name.replace("_", " "))
+    return words.replace("[um", "[µm").replace("[mm s", "[mm/s")
 
 
 def _shown(value):
