@@ -19,12 +19,10 @@ def slope(spans, span, u, v):
 
 
 @inlined
-def _series(spans, feed, span, u, moment, order, counts):
+def _series(spans, feed, span, u, t, period, phase, order):
     """Advance of u in a period: |C'| u' = v, differentiated once and twice for the higher derivatives."""
-    t, period, phase = moment
     v, a, j, phase = feed_at(feed, t, phase)
-    for k in range(1, order + 1):
-        counts[k] += 1
+    later = feed_at(feed, t + period, phase)[1]  # in the branch that uses it, it would slow all orders down
     if order == 1:
         return period * v / speed(spans, span, u)
     value, first, second = speed_jet(spans, span, u)
@@ -32,7 +30,7 @@ def _series(spans, feed, span, u, moment, order, counts):
     ddu = (a - first * du * du) / value
     dddu = 0.0
     if order == 3:
-        most = abs(feed_at(feed, t + period, phase)[1] - a) / period
+        most = abs(later - a) / period
         j = min(max(j, -most), most)  # a jerk may end long before the period
         dddu = (j - second * du**3 - 3.0 * first * du * ddu) / value
     return period * (du + period * (0.5 * ddu + period * dddu / 6.0))
@@ -80,11 +78,13 @@ def _one_step(spans, feed, period, u, counts, family, order):
                 advance = period * slope(spans, span, u[step] + half, v1)
                 counts[1] += 2
         else:
-            advance = _series(spans, feed, span, u[step], (t, period, phase), order, counts)
+            advance = _series(spans, feed, span, u[step], t, period, phase, order)
             if not advance > 0.0:  # at rest, and in the last moments of braking: the planned length instead
                 advance = displacement(feed, t, period, phase) / speed(spans, span, u[step])
         if not settle(u, step, u[step] + advance, breaks[-1]):
             break
+    if family == TAYLOR:
+        counts[1 : order + 1] += step + 1
     return step
 
 
