@@ -181,8 +181,8 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
     signed = values.min() < 0
     stage.add_mesh(
         mesh, scalars=values, clim=(-reach if signed else 0.0, reach), cmap=SIGNED if signed else DISTANCE,
-        above_color=RED if values.max() > reach else None,
-        below_color=GREEN if values.min() < -reach else None, lighting=False, show_scalar_bar=False,
+        above_color=RED if values.max() > reach else None, lighting=False, show_scalar_bar=False, **_SMOOTH,
+        below_color=GREEN if values.min() < -reach else None,
     )  # fmt: skip
     rim = stage.add_silhouette(mesh, color=RIM, line_width=2.0, feature_angle=_SMOOTH["feature_angle"])
     rim.use_bounds = False  # so it is not stored with scenes that turn: it belongs to one camera
