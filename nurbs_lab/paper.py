@@ -112,7 +112,7 @@ def audit(section):
 
 
 def _entry(claim):
-    condition, reading = re.match(r"(?:Condition(: .+?)\. )?(.*)", claim.reading).groups("")
+    condition, reading = re.match(r"(?:Condition(: .+?)(?<!Eq)\. )?(.*)", claim.reading).groups("")
     # The links are HTML, as Sphinx follows no others here.
     number = f' **{claim.number}** (cell <a href="#{claim.check}">{claim.check}</a>).' if claim.number else ""
     file = f'Notebook <a href="{claim.notebook}.ipynb">{claim.notebook[:2]}</a>, `{claim.module}`.'

@@ -48,6 +48,7 @@ def test_its_reading_says_what_the_rule_for_verdicts_asks(claim):
     assert ("Outside it, " in claim.reading) == conditional
     assert claim.reading.startswith("What must be meant") == (claim.verdict == "slip in our copy")
     assert not conditional or f"{claim.verdict}</i>: " in paper.audit(claim.section)
+    assert "Eq</summary>" not in paper.audit(claim.section)  # a condition ends with its sentence
 
 
 @pytest.mark.parametrize("claim", [c for c in CLAIMS if c.check], ids=lambda claim: claim.item)
