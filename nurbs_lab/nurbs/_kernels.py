@@ -102,17 +102,24 @@ def spline_derivatives(span, degree, knots, triangle, local, out):
 
 
 @inlined
-def project_curve(lifted, out):
-    """Derivatives of A / w from those of (A, w), ``lifted (orders, dim + 1)`` (A4.2)."""
-    dim = out.shape[1]
+def project(lifted, out):
+    """Derivatives of A / w from those of (A, w), ``lifted (orders_u, orders_v, dim + 1)`` (A4.2, A4.4)."""
+    dim = out.shape[2]
     for k in range(out.shape[0]):
-        for d in range(dim):
-            total = lifted[k, d]
-            binomial = 1.0
-            for i in range(1, k + 1):
-                binomial = binomial * (k - i + 1) / i
-                total -= binomial * lifted[i, dim] * out[k - i, d]
-            out[k, d] = total / lifted[0, dim]
+        for m in range(out.shape[1]):
+            for d in range(dim):
+                total = lifted[k, m, d]
+                choose_k = 1.0
+                for i in range(k + 1):
+                    if i > 0:
+                        choose_k = choose_k * (k - i + 1) / i
+                    choose_m = 1.0
+                    for j in range(m + 1):
+                        if j > 0:
+                            choose_m = choose_m * (m - j + 1) / j
+                        if i + j > 0:
+                            total -= choose_k * choose_m * lifted[i, j, dim] * out[k - i, m - j, d]
+                out[k, m, d] = total / lifted[0, 0, dim]
 
 
 @compiled
@@ -126,7 +133,7 @@ def curve_derivatives(degree, knots, homogeneous, u, order):
         basis_triangle(span, degree, knots, u[k], triangle)
         local = homogeneous[span - degree : span + 1].copy()
         spline_derivatives(span, degree, knots, triangle, local, lifted)
-        project_curve(lifted, out[k])
+        project(lifted[:, None], out[k][:, None])
     return out
 
 
@@ -148,50 +155,3 @@ def curve_points(degree, knots, homogeneous, u, out):
             for j in range(degree + 1):
                 total += values[j] * homogeneous[span - degree + j, d]
             out[k, d] = total / weight
-
-
-@compiled
-def piecewise_points(degree, knots, homogeneous, rational, spans, u, out):
-    """C(u) for very many u: Horner's rule on a span table, whose spans are found through a guide table."""
-    breaks, scales, coefficients, _ = spans
-    count = breaks.size - 1
-    cells = 4 * count
-    low, high = breaks[0], breaks[count]
-    per_cell = cells / (high - low)
-    guide = np.empty(cells + 2, dtype=np.int64)
-    span = 0
-    for cell in range(cells + 2):
-        while span < count - 1 and (breaks[span + 1] - low) * per_cell < cell:
-            span += 1
-        guide[cell] = span
-    dim = out.shape[1]
-    last = coefficients.shape[2] - 1
-    ends = np.empty((2, dim))  # exact there, where the polynomials are rounded
-    curve_points(degree, knots, homogeneous, np.array([low, high]), ends)
-    for k in range(u.size):
-        at = u[k]
-        if at in (low, high):
-            for d in range(dim):
-                out[k, d] = ends[int(at == high), d]
-            continue
-        cell = min(int((at - low) * per_cell), cells)
-        span = guide[cell]
-        top = guide[cell + 1]
-        while top > span:
-            middle = (span + top + 1) // 2
-            if at < breaks[middle]:
-                top = middle - 1
-            else:
-                span = middle
-        x = (at - breaks[span]) * scales[span] - 1.0
-        for d in range(dim):
-            total = coefficients[span, 0, d]
-            for power in range(1, degree + 1):
-                total = total * x + coefficients[span, power, d]
-            out[k, d] = total
-        if rational:
-            weight = coefficients[span, 0, last]
-            for power in range(1, degree + 1):
-                weight = weight * x + coefficients[span, power, last]
-            for d in range(dim):
-                out[k, d] /= weight

@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from nurbs_lab.common.kernels import compiled, inlined, kernel
+from nurbs_lab.common.kernels import compiled, kernel
 from nurbs_lab.nurbs._kernels import (
     basis_functions,
     basis_table,
     basis_triangle,
     find_span,
+    project,
     spline_derivatives,
 )
 
@@ -60,27 +61,6 @@ def surface_grid(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
                 out[a, b, d] = sums[d, b] * weights[b]
 
 
-@inlined
-def project_surface(lifted, out):
-    """Derivatives of A / w from those of (A, w), ``lifted (orders_u, orders_v, dim + 1)`` (A4.4)."""
-    dim = out.shape[2]
-    for k in range(out.shape[0]):
-        for m in range(out.shape[1]):
-            for d in range(dim):
-                total = lifted[k, m, d]
-                choose_k = 1.0
-                for i in range(k + 1):
-                    if i > 0:
-                        choose_k = choose_k * (k - i + 1) / i
-                    choose_m = 1.0
-                    for j in range(m + 1):
-                        if j > 0:
-                            choose_m = choose_m * (m - j + 1) / j
-                        if i + j > 0:
-                            total -= choose_k * choose_m * lifted[i, j, dim] * out[k - i, m - j, d]
-                out[k, m, d] = total / lifted[0, 0, dim]
-
-
 @compiled
 def surface_derivatives(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, orders):
     """Mixed derivatives for pairs of parameters: ``(len(u), order_u + 1, order_v + 1, dim)``."""
@@ -100,5 +80,5 @@ def surface_derivatives(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v,
         for i in range(order_u + 1):
             rows = along_u[i].reshape((degree_v + 1, columns))
             spline_derivatives(span_v, degree_v, knots_v, triangle_v, rows, lifted[i])
-        project_surface(lifted, out[k])
+        project(lifted, out[k])
     return out

@@ -21,31 +21,19 @@ def cut(knots, degree):
     return span_parameters(knots, degree, max(FINE // spans, 1))
 
 
-def query_points(points, dim):
-    """Points ``(..., dim)`` as rows, and their leading shape."""
-    points = checks.as_floats("points", points)
-    if points.ndim == 0 or points.shape[-1] != dim:
-        raise ValueError(f"points must have shape (..., {dim}), got {points.shape}")
-    return points.reshape(-1, dim), points.shape[:-1]
-
-
 def closest_on_curve(curve, points):
-    """See `NurbsCurve.closest_point`."""
-    points, lead = query_points(points, curve.dim)
+    """See `NurbsCurve.closest_point`; a curve is a surface of degree 0 along v."""
     uv, distance = closest((curve.degree, 0), (curve.knots, NO_KNOTS), curve.homogeneous[:, None], points)
-    return uv[:, 0].reshape(lead)[()], distance.reshape(lead)[()]
-
-
-def closest_on_surface(surface, points):
-    """See `NurbsSurface.closest_point`."""
-    points, lead = query_points(points, surface.dim)
-    uv, distance = closest(surface.degrees, surface.knots, surface.homogeneous, points)
-    return uv.reshape(*lead, 2), distance.reshape(lead)[()]
+    return uv[..., 0][()], distance
 
 
 @interruptible()
 def closest(degrees, knots, homogeneous, points):
-    """Parameters ``(k, 2)`` and distances ``(k,)``."""
+    """Parameters ``(..., 2)`` and distances ``(...)`` for points ``(..., dim)``."""
+    points, dim = checks.as_floats("points", points), homogeneous.shape[-1] - 1
+    if points.ndim == 0 or points.shape[-1] != dim:
+        raise ValueError(f"points must have shape (..., {dim}), got {points.shape}")
+    points, lead = points.reshape(-1, dim), points.shape[:-1]
     ends_u, ends_v, nets = patches(degrees, knots, homogeneous)
     i, j = np.meshgrid(np.arange(len(ends_u) - 1), np.arange(len(ends_v) - 1))
     order = np.argsort(morton(np.column_stack([i.ravel(), j.ravel()])))
@@ -60,7 +48,7 @@ def closest(degrees, knots, homogeneous, points):
         _kernels_closest.closest(boxes, nets, pieces, factors, points[part], uv[part], distance[part])
 
     over_blocks(search, len(points), "closest points")
-    return uv, distance
+    return uv.reshape(*lead, 2), distance.reshape(lead)[()]
 
 
 def product_factors(degree):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common import checks
-from nurbs_lab.nurbs import _kernels, closest, differential, measure, refinement
+from nurbs_lab.nurbs import _kernels, closest, differential, measure, refinement, span_kernels
 from nurbs_lab.nurbs.refinement import CLOSED_WITHIN
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters, span_table
 from nurbs_lab.nurbs.spline import Spline
@@ -89,9 +89,9 @@ class NurbsCurve(Spline):
         """Points C(u): ``(..., dim)`` for u of shape ``(...)``."""
         u = checks.wrapped("u", u, self.domain, lambda: self.closed)
         out = np.empty((u.size, self.dim))
-        many = u.size > MANY * len(self.knots) and self.degree <= POLYNOMIAL_UP_TO
+        many = u.size > MANY * len(self.knots) and self.degree <= POLYNOMIAL_UP_TO and self.dim <= 3
         if many and self.weights.max() <= EVEN * self.weights.min():
-            _kernels.piecewise_points(*self._rows, self.rational, span_table(*self._rows), u.ravel(), out)
+            span_kernels.points(span_table(*self._rows), self(np.array(self.domain)), u.ravel(), out)
         else:
             _kernels.curve_points(*self._rows, u.ravel(), out)
         return out.reshape(*u.shape, self.dim)
@@ -150,39 +150,12 @@ class NurbsCurve(Spline):
     def _rows(self):
         return self.degree, self.knots, self.homogeneous
 
-    def insert_knot(self, u, times=1):
-        """The same curve with the knot u inserted ``times`` times."""
-        return self._of(
-            *refinement.insert(*self._rows, [u] * checks.as_count("times", times, 1, self.degree), "u")
-        )
+    @property
+    def _directions(self):
+        return {"u": (self.degree, self.knots)}
 
-    def refine(self, parameters):
-        """The same curve with all these parameters as further knots."""
-        return self._of(*refinement.insert(*self._rows, parameters))
-
-    def remove_knot(self, u, tolerance):
-        """The curve with one knot u removed; ValueError if a point could move by more than the tolerance."""
-        return self._of(*refinement.remove(*self._rows, u, tolerance))
-
-    def elevate_degree(self, times=1):
-        """The same curve with a degree that is higher by ``times``."""
-        rows = self._rows
-        for _ in range(checks.as_count("times", times, 1, 20)):
-            rows = refinement.elevate(*rows)
-        return self._of(*rows)
-
-    def split(self, u):
-        """The part before u and the part after it, which divide the domain."""
-        return tuple(self._of(*part) for part in refinement.split(*self._rows, u))
-
-    def reverse(self):
-        """The same curve in the opposite direction, over the same domain."""
-        return self._of(*refinement.reverse(*self._rows))
-
-    def clamped(self):
-        """The same curve with end knots of multiplicity p + 1: it starts and ends at control points."""
-        there = self.domain == (*self.knots[[0, -1]],)
-        return self if there else self._of(*refinement.clamped(*self._rows))
+    def _with(self, directions, net):
+        return self._of(*directions["u"], net)
 
     def beziers(self):
         """The Bezier pieces between neighbouring knots, as curves of one span each."""

@@ -8,6 +8,7 @@ from nurbs_lab.common import checks
 
 VANISHES = 1e-14  # of the size over the parameter range: a derivative this small has no direction
 PARALLEL = 1e-13  # of the product of their lengths: tangents this near to parallel span no plane
+NO_PLANE = "the tangents are parallel or vanish"
 POLE = 1e-11  # of the size over the parameter range: a tangent this short belongs to a pole
 
 
@@ -22,43 +23,42 @@ class SurfaceCurvature(NamedTuple):
     principal: np.ndarray
 
 
-def _size(shape):
-    """A power of two near the size of the control points."""
-    points = shape.control_points.reshape(-1, shape.dim)
-    return 2.0 ** np.frexp(np.abs(points - points[0]).max())[1]
+def _jet(shape, places, order):
+    """Derivatives of a shape scaled to size and parameter ranges near one, and the size.
 
-
-def _scaled(curve, u, order):
-    """C', C'', ... ``(order, ..., dim)`` of the curve scaled to size and parameter range near one.
-
-    No square overflows or vanishes then. The second result is the size.
+    No square overflows or vanishes then.
     """
-    size, unit = _size(curve), 2.0 ** np.frexp(np.ptp(curve.domain))[1]
-    values = np.moveaxis(curve.derivatives(u, order), -2, 0)[1:] / size
-    for k in range(order):
-        values[k:] *= unit
+    points = shape.control_points.reshape(-1, shape.dim)
+    size = 2.0 ** np.frexp(np.abs(points - points[0]).max())[1]
+    values, spans = shape.derivatives(*places, order) / size, np.reshape(shape.domain, (-1, 2))
+    for axis, span in enumerate(spans, -1 - len(spans)):
+        powers = (2.0 ** np.frexp(np.ptp(span))[1]) ** np.arange(values.shape[axis])
+        values = values * np.expand_dims(powers, tuple(range(axis + 1, 0)))
     return values, size
 
 
-def _refuse(what, bad, u, why):
+def _refuse(what, bad, why, *places):
     if bad.any():
-        raise ValueError(f"{what} has no value at u = {np.asarray(u)[bad].flat[0]}: {why} there")
+        first = tuple(np.argwhere(bad)[0])
+        at = (f"{name} = {x[first]}" for name, x in zip("uv", np.broadcast_arrays(*places), strict=False))
+        raise ValueError(f"{what} has no value at {', '.join(at)}: {why}")
 
 
 def _tangent(u, first, what):
     size = checks.lengths(first)
-    _refuse(what, size <= VANISHES, u, "the derivative vanishes")
+    _refuse(what, size <= VANISHES, "the derivative vanishes there", u)
     return first / size[..., None], size
 
 
 def tangent(curve, u):
     """See `NurbsCurve.tangent`."""
-    return _tangent(u, _scaled(curve, u, 1)[0][0], "tangent")[0]
+    return _tangent(u, _jet(curve, (u,), 1)[0][..., 1, :], "tangent")[0]
 
 
 def _across(curve, u, what):
     """Unit tangent, the part of C'' across it and |C'|, and the size they are scaled by."""
-    (first, second), size = _scaled(curve, u, 2)
+    values, size = _jet(curve, (u,), 2)
+    first, second = values[..., 1, :], values[..., 2, :]
     along, speed = _tangent(u, first, what)
     return along, second - (along * second).sum(axis=-1, keepdims=True) * along, speed, size
 
@@ -73,7 +73,7 @@ def normal(curve, u):
     """See `NurbsCurve.normal`."""
     along, across, speed, _ = _across(curve, u, "normal")
     size = np.linalg.norm(across, axis=-1)
-    _refuse("normal", size <= PARALLEL * speed, u, "the curve is straight")
+    _refuse("normal", size <= PARALLEL * speed, "the curve is straight there", u)
     across = across / size[..., None]
     across -= (along * across).sum(axis=-1, keepdims=True) * along
     return across / np.linalg.norm(across, axis=-1, keepdims=True)
@@ -88,11 +88,12 @@ def binormal(curve, u):
 def torsion(curve, u):
     """See `NurbsCurve.torsion`."""
     _require_space("torsion", curve)
-    (first, second, third), scale = _scaled(curve, u, 3)
+    values, scale = _jet(curve, (u,), 3)
+    _, first, second, third = np.moveaxis(values, -2, 0)
     across = np.cross(first, second)
     size = np.linalg.norm(across, axis=-1)
     flat = size <= PARALLEL * np.linalg.norm(first, axis=-1) * np.linalg.norm(second, axis=-1)
-    _refuse("torsion", flat, u, "the curve is straight")
+    _refuse("torsion", flat, "the curve is straight there", u)
     return ((across / size[..., None]) * third).sum(axis=-1) / size / scale
 
 
@@ -101,20 +102,10 @@ def _require_space(what, shape):
         raise ValueError(f"only shapes in 3-D have a {what}, this one is in {shape.dim}-D")
 
 
-def _surface_jet(surface, u, v, order):
-    """Derivatives of the surface scaled to size and parameter ranges near one, and the size."""
-    _require_space("normal", surface)
-    size = _size(surface)
-    values = surface.derivatives(u, v, (order, order)) / size
-    for axis, span in zip((-3, -2), surface.domain, strict=True):
-        powers = (2.0 ** np.frexp(np.ptp(span))[1]) ** np.arange(order + 1)
-        values = values * np.expand_dims(powers, tuple(range(axis + 1, 0)))
-    return values, size
-
-
 def surface_normal(surface, u, v):
     """See `NurbsSurface.normal`."""
-    return _normal(surface, _surface_jet(surface, u, v, 1)[0], u, v)
+    _require_space("normal", surface)
+    return _normal(surface, _jet(surface, (u, v), (1, 1))[0], u, v)
 
 
 def _normal(surface, values, u, v):
@@ -133,26 +124,21 @@ def _normal(surface, values, u, v):
     with np.errstate(invalid="ignore", divide="ignore"):
         across = np.cross(*(x / size[..., None] for x, size in zip((along_u, along_v), sizes, strict=True)))
     size = checks.lengths(across)
-    _refuse_places("normal", ~(size > PARALLEL), u, v)
+    _refuse("normal", ~(size > PARALLEL), NO_PLANE, u, v)
     return across / size[..., None]
-
-
-def _refuse_places(what, bad, u, v):
-    if bad.any():
-        u, v = (x[tuple(np.argwhere(bad)[0])] for x in np.broadcast_arrays(u, v))
-        raise ValueError(f"{what} has no value at u = {u}, v = {v}: the tangents are parallel or vanish")
 
 
 def surface_curvature(surface, u, v):
     """See `NurbsSurface.curvature`."""
-    values, size = _surface_jet(surface, u, v, 2)
+    _require_space("normal", surface)
+    values, size = _jet(surface, (u, v), (2, 2))
     normal = _normal(surface, values, u, v)
     along_u, along_v = values[..., 1, 0, :], values[..., 0, 1, :]
     e, f, g = ((a * b).sum(axis=-1) for a, b in ((along_u,) * 2, (along_u, along_v), (along_v,) * 2))
     second = [(values[..., i, j, :] * normal).sum(axis=-1) for i, j in ((2, 0), (1, 1), (0, 2))]
     area = e * g - f * f
     # near a pole the second derivatives are rounded by more than the shorter tangent's square
-    _refuse_places("curvature", ~(area > PARALLEL * np.maximum(e, g) ** 2), u, v)
+    _refuse("curvature", ~(area > PARALLEL * np.maximum(e, g) ** 2), NO_PLANE, u, v)
     gaussian = (second[0] * second[2] - second[1] ** 2) / area / size**2
     mean = 0.5 * (second[0] * g - 2.0 * second[1] * f + second[2] * e) / area / size
     spread = np.sqrt(np.maximum(mean * mean - gaussian, 0.0))

@@ -107,17 +107,12 @@ def interpolate_surface(grid, degrees=(3, 3), *, parametrization="chord", closed
     degrees = checks.as_pair("degrees", degrees, checks.as_count, 1, 9)
     checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     net, closed = as_grid(grid, degrees, closed)
-    fitted = [
-        surface_parameters(net.swapaxes(0, axis), axis, degrees[axis], parametrization, closed[axis])
-        for axis in (0, 1)
-    ]
-    knot_vectors = []
-    control = net
-    for axis in (0, 1):
+    uniform, control, knot_vectors = parametrization == "universal", net, []
+    for axis, degree in enumerate(degrees):
+        t = surface_parameters(net.swapaxes(0, axis), axis, degree, parametrization, closed[axis])
         rows = np.ascontiguousarray(control.swapaxes(0, axis))
-        uniform = parametrization == "universal"
         flat = rows.reshape(len(rows), -1)
-        vector, flat = interpolate_values(degrees[axis], fitted[axis], flat, closed[axis], uniform)
+        vector, flat = interpolate_values(degree, t, flat, closed[axis], uniform)
         control = flat.reshape(-1, *rows.shape[1:]).swapaxes(0, axis)
         knot_vectors.append(vector)
     return NurbsSurface(degrees, knot_vectors, control)

@@ -43,7 +43,7 @@ def refined(degree, knots, rows, finer):
     return degree, finer, _kernels_shape.refine(degree, knots, checks.freeze(rows[:]), finer)
 
 
-def insert(degree, knots, rows, new, name="parameters"):
+def insert(degree, knots, rows, new, name):
     """Every parameter of a list inserted once (NURBS Book A5.4)."""
     new = checks.as_floats(name, new, ("m",))
     new = np.array([inside(name, u, degree, knots, ends=True) for u in new])
@@ -63,7 +63,7 @@ def clamped(degree, knots, rows):
     return refined(degree, knots, rows, clamp(np.concatenate([[low], inner, [high]]), degree))
 
 
-def split(degree, knots, rows, u, name="u"):
+def split(degree, knots, rows, u, name):
     """The part before u and the part after it."""
     u = inside(name, u, degree, knots)
     ends = np.repeat(u, degree + 1)
@@ -81,15 +81,18 @@ def reverse(degree, knots, rows):
     return degree, np.clip(low + high - knots[::-1], least, most), rows[::-1]
 
 
-def elevate(degree, knots, rows):
-    """Degree + 1, every knot once more (by blossoms, Ramshaw 1989)."""
+def elevate(degree, knots, rows, times):
+    """A degree higher by ``times``, every knot so many times more (by blossoms, Ramshaw 1989)."""
     low, high = domain(degree, knots)
-    values, counts = np.unique(knots, return_counts=True)
-    raised = np.repeat(values, counts + 1)
-    first = np.searchsorted(raised, low, side="right") - 1 - (degree + 1)
-    last = np.searchsorted(raised, high, side="left") + degree + 1
-    raised = checks.freeze(raised[first : last + 1])
-    return degree + 1, raised, _kernels_shape.elevate(degree, knots, checks.freeze(rows[:]), raised)
+    for _ in range(times):
+        values, counts = np.unique(knots, return_counts=True)
+        raised = np.repeat(values, counts + 1)
+        first = np.searchsorted(raised, low, side="right") - 1 - (degree + 1)
+        last = np.searchsorted(raised, high, side="left") + degree + 1
+        raised = checks.freeze(raised[first : last + 1])
+        rows = _kernels_shape.elevate(degree, knots, checks.freeze(rows[:]), raised)
+        degree, knots = degree + 1, raised
+    return degree, knots, rows
 
 
 def value(degree, knots, rows, u):
@@ -97,7 +100,7 @@ def value(degree, knots, rows, u):
     return refined(degree, knots, rows, np.full(degree + 2, u))[2][0]
 
 
-def remove(degree, knots, rows, u, tolerance, columns=None, name="u"):
+def remove(degree, knots, rows, u, tolerance, columns, name):
     """Remove one knot u, if that moves no point by more than the tolerance (compare A5.8).
 
     ``rows`` hold homogeneous points of ``columns`` numbers each. The new control points are the
@@ -122,7 +125,7 @@ def remove(degree, knots, rows, u, tolerance, columns=None, name="u"):
     for i in range(len(index) - 1):
         mix[i, i], mix[i + 1, i] = fraction[i], 1 - fraction[i + 1]
     solved = np.linalg.lstsq(mix, wanted, rcond=0)[0]
-    points = rows.reshape(len(rows), -1, columns or rows.shape[1])
+    points = rows.reshape(len(rows), -1, columns)
     residual = (mix @ solved - wanted).reshape(len(index), *points.shape[1:])
     heavy = np.linalg.norm(project(points), axis=-1).max() * np.abs(residual[..., -1]).max()
     moved = (np.linalg.norm(residual[..., :-1], axis=-1).max() + heavy) / points[..., -1].min()

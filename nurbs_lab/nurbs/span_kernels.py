@@ -127,6 +127,33 @@ def point(spans, span, u):
     return px, py, pz
 
 
+@compiled
+def points(spans, ends, u, out):
+    """C(u) for very many u into ``out (len(u), dim)``; ``ends (2, dim)`` are exact, where powers are rounded.
+
+    A guide table of four cells a span tells which few spans may hold a parameter.
+    """
+    breaks = spans[0]
+    low, high, cells = breaks[0], breaks[-1], 4 * (breaks.size - 1)
+    per_cell = cells / (high - low)
+    guide = np.searchsorted((breaks[1:-1] - low) * per_cell, np.arange(cells + 2))
+    for k in range(u.size):
+        if u[k] in (low, high):
+            out[k] = ends[int(u[k] == high)]
+            continue
+        cell = min(int((u[k] - low) * per_cell), cells)
+        span, top = guide[cell], guide[cell + 1]
+        while top > span:
+            middle = (span + top + 1) // 2
+            if u[k] < breaks[middle]:
+                top = middle - 1
+            else:
+                span = middle
+        place = point(spans, span, u[k])
+        for d in range(out.shape[1]):
+            out[k, d] = place[d]
+
+
 @kernel
 def _local_speed(coefficients, rational, span, x):
     """|dC/dx|."""

@@ -1,4 +1,4 @@
-"""What curves and surfaces share: control points with weights, and affine maps of them."""
+"""What curves and surfaces share: control points with weights, changes of their knots, and affine maps."""
 
 from dataclasses import replace
 
@@ -31,6 +31,52 @@ class Spline(Value):
     @classmethod
     def _of(cls, degrees, knots, rows):
         return cls(degrees, knots, refinement.project(rows), rows[..., -1])
+
+    def _along(self, direction, change, *arguments):
+        """The result of a change of representation along one direction: a shape or a tuple of them."""
+        every = self._directions
+        axis = list(every).index(checks.as_choice("direction", direction, tuple(every)))
+        net = np.ascontiguousarray(np.moveaxis(self.homogeneous, axis, 0))
+        results = change(*every[direction], net.reshape(len(net), -1), *arguments)
+        single, shapes = not isinstance(results[0], tuple), []
+        for degree, knots, rows in [results] if single else results:
+            changed = np.moveaxis(rows.reshape(-1, *net.shape[1:]), 0, axis)
+            shapes.append(self._with(every | {direction: (degree, knots)}, changed))
+        return shapes[0] if single else tuple(shapes)
+
+    def insert_knot(self, u, times=1, *, direction="u"):
+        """The same shape with the knot u inserted ``times`` times; only surfaces have a direction "v"."""
+        most = max(degree for degree, _ in self._directions.values())
+        new = [u] * checks.as_count("times", times, 1, most)
+        return self._along(direction, refinement.insert, new, direction)
+
+    def refine(self, parameters, *, direction="u"):
+        """The same shape with all these parameters as further knots."""
+        return self._along(direction, refinement.insert, parameters, "parameters")
+
+    def remove_knot(self, u, tolerance, *, direction="u"):
+        """The shape with one knot u removed; ValueError if a point could move by more than the tolerance."""
+        return self._along(direction, refinement.remove, u, tolerance, self.dim + 1, direction)
+
+    def elevate_degree(self, times=1, *, direction="u"):
+        """The same shape with a degree that is higher by ``times``."""
+        return self._along(direction, refinement.elevate, checks.as_count("times", times, 1, 20))
+
+    def split(self, u, *, direction="u"):
+        """The part before u and the part after it, which divide the domain."""
+        return self._along(direction, refinement.split, u, direction)
+
+    def reverse(self, *, direction="u"):
+        """The same shape in the opposite direction, over the same domain."""
+        return self._along(direction, refinement.reverse)
+
+    def clamped(self):
+        """The same shape with end knots of multiplicity degree + 1: its corners are control points."""
+        shape = self
+        for direction, (degree, knots) in self._directions.items():
+            if refinement.domain(degree, knots) != (knots[0], knots[-1]):
+                shape = shape._along(direction, refinement.clamped)
+        return shape
 
     def transform(self, matrix, offset=None):
         """The image under x -> matrix x + offset.

@@ -166,53 +166,14 @@ class NurbsSurface(Spline):
 
     def closest_point(self, points):
         """Nearest point of the surface to each of ``(..., dim)``: (uv ``(..., 2)``, distance ``(...)``)."""
-        return closest.closest_on_surface(self, points)
+        return closest.closest(self.degrees, self.knots, self.homogeneous, points)
 
-    def _along(self, direction, change, *arguments):
-        """The result of a change of representation along one direction: a surface or a tuple of them."""
-        axis = "uv".index(checks.as_choice("direction", direction, ("u", "v")))
-        net = np.ascontiguousarray(np.moveaxis(self.homogeneous, axis, 0))
-        results = change(self.degrees[axis], self.knots[axis], net.reshape(len(net), -1), *arguments)
-        single = not isinstance(results[0], tuple)
-        surfaces = []
-        for degree, knots, rows in [results] if single else results:
-            degrees, both = list(self.degrees), list(self.knots)
-            degrees[axis], both[axis] = degree, knots
-            changed = np.moveaxis(rows.reshape(-1, *net.shape[1:]), 0, axis)
-            surfaces.append(self._of(degrees, both, changed))
-        return surfaces[0] if single else tuple(surfaces)
+    @property
+    def _directions(self):
+        return dict(zip("uv", zip(self.degrees, self.knots, strict=True), strict=True))
 
-    def insert_knot(self, at, times=1, *, direction="u"):
-        """The same surface with the knot ``at`` of a direction inserted ``times`` times."""
-        times = checks.as_count("times", times, 1, max(self.degrees))
-        return self._along(direction, refinement.insert, [at] * times, "at")
-
-    def refine(self, parameters, *, direction="u"):
-        """The same surface with all these parameters as further knots of a direction."""
-        return self._along(direction, refinement.insert, parameters)
-
-    def remove_knot(self, at, tolerance, *, direction="u"):
-        """The surface with one knot removed; ValueError if a point could move by more than the tolerance."""
-        return self._along(direction, refinement.remove, at, tolerance, self.dim + 1, "at")
-
-    def elevate_degree(self, times=1, *, direction="u"):
-        """The same surface with a degree that is higher by ``times`` in a direction."""
-        raised = self
-        for _ in range(checks.as_count("times", times, 1, 20)):
-            raised = raised._along(direction, refinement.elevate)
-        return raised
-
-    def split(self, at, *, direction="u"):
-        """The part before ``at`` and the part after it."""
-        return self._along(direction, refinement.split, at, "at")
-
-    def reverse(self, *, direction="u"):
-        """The same surface with a direction reversed."""
-        return self._along(direction, refinement.reverse)
-
-    def clamped(self):
-        """The same surface with end knots of full multiplicity in both directions."""
-        return self._along("u", refinement.clamped)._along("v", refinement.clamped)
+    def _with(self, directions, net):
+        return self._of(*zip(*directions.values(), strict=True), net)
 
     def iso_curve(self, *, u=None, v=None):
         """The curve of constant u, or of constant v, lying in the surface."""

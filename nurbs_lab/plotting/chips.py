@@ -17,32 +17,29 @@ def area(groups, *, limits, ax=None):
     limits : mapping from resource to count
         What the chip has.
     """
-    fractions = {
-        f"{name}\n(of {limits[name]:,})": {k: 100 * count / limits[name] for k, count in inner.items()}
-        for name, inner in groups.items()
-    }
+    series = list(dict.fromkeys(name for inner in groups.values() for name in inner))
+    width = 0.8 / len(series)
+    plain = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}  # hides a line behind it
     with canvas(8, 4.2, ax) as (figure, ax):
-        _bars(ax, fractions, lambda value: f"{value:.0f} %")
+        for i, name in enumerate(series):
+            shift = (i - (len(series) - 1) / 2) * width
+            bars = {
+                k + shift: 100 * inner[name] / limits[resource]
+                for k, (resource, inner) in enumerate(groups.items())
+                if name in inner
+            }
+            look = {"color": COLOURS[i], "hatch": _HATCHES[i], "edgecolor": "white"}
+            drawn = ax.bar(bars.keys(), bars.values(), width, label=name, **look)
+            if len(groups) * len(series) <= 14:
+                labels = [f"{value:.0f} %" for value in bars.values()]
+                ax.bar_label(drawn, labels, padding=2, fontsize=9, bbox=plain)
+        ax.set_xticks(range(len(groups)), [f"{name}\n(of {limits[name]:,})" for name in groups])
+        ax.grid(visible=False, axis="x")
         # above the bars, below their labels
         ax.axhline(100, color=BLACK, linestyle="--", linewidth=1.2, zorder=2.5)
         ax.set_ylabel("fraction of the chip [%]")
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return figure
-
-
-def _bars(ax, groups, label):
-    series = list(dict.fromkeys(name for inner in groups.values() for name in inner))
-    width = 0.8 / len(series)
-    for i, name in enumerate(series):
-        shift = (i - (len(series) - 1) / 2) * width
-        bars = {k + shift: inner[name] for k, inner in enumerate(groups.values()) if name in inner}
-        look = {"color": COLOURS[i], "hatch": _HATCHES[i], "edgecolor": "white"}
-        drawn = ax.bar(bars.keys(), bars.values(), width, label=name, **look)
-        if len(groups) * len(series) <= 14:
-            plain = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}  # hides a line behind it
-            ax.bar_label(drawn, map(label, bars.values()), padding=2, fontsize=9, bbox=plain)
-    ax.set_xticks(range(len(groups)), list(groups))
-    ax.grid(visible=False, axis="x")
 
 
 @takes_axes

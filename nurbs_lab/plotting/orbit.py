@@ -79,7 +79,7 @@ def _part(actor, centre, longest, most):
         data = data.extract_points(
             range(0, data.n_points, -(-data.n_points // MOST_POINTS)), include_cells=False
         )
-    elif actor.prop.style == "Wireframe" or not data.n_faces:
+    elif not data.n_faces:
         kind, cells = "lines", _segments(data)
     else:
         if data.n_faces > most:  # patches with common edges become one body first, or gaps would open
@@ -117,10 +117,7 @@ def _coloured(actor):
 
 
 def _segments(data):
-    """Pairs of points: the lines of a data set, or the edges of its triangles."""
-    if data.n_faces:
-        edges = data.faces.reshape(-1, 4)[:, [1, 2, 2, 3, 3, 1]].reshape(-1, 2)
-        return np.unique(np.sort(edges, axis=1), axis=0)
+    """Pairs of points: the lines of a data set."""
     points, ends = map(
         vtk_to_numpy, (data.GetLines().GetConnectivityArray(), data.GetLines().GetOffsetsArray())
     )

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
+from nurbs_lab.nurbs.along import points_along
 from nurbs_lab.plotting.style import BLACK, BLUE, GREY, MAGNITUDE, PALE, RED, canvas, equal_mm, takes_axes
 
 BUBBLE = {"boxstyle": "circle,pad=0.3", "facecolor": "white", "edgecolor": BLUE}
@@ -54,8 +55,7 @@ def _contour(ax, contour, order):
     if order:
         ax.scatter(*points.T, c=np.arange(len(points)), cmap=MAGNITUDE, s=9, zorder=3)
     ax.plot(*points[0], "o", color=BLACK, markersize=5, zorder=4)
-    along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
-    tail, tip = np.transpose([np.interp(along[-1] * np.array([0.22, 0.24]), along, axis) for axis in path.T])
+    tail, tip = points_along(path, contour.length * np.array([0.22, 0.24]))
     arrow = {"arrowstyle": "-|>", "color": BLACK if order else colour, "mutation_scale": 16}
     ax.annotate("", tip, tail, arrowprops=arrow)
 

@@ -57,7 +57,19 @@ class Status(ipywidgets.HTML):
 
 
 class Explorer(ipywidgets.VBox):
-    """What `explore` gives."""
+    """A picture with sliders, the last line of a cell: ``explore(lambda degree: ..., degree=(1, 5))``.
+
+    The picture follows a slider while it moves; positions that it passes while a picture is being drawn are
+    left out. If drawing fails or is interrupted, a line below the picture says so. Where no kernel runs (on a
+    web page, in a stored notebook) a picture moves through eight positions of the first control.
+
+    Parameters
+    ----------
+    draw : callable
+        Takes the controls' values by name, returns a Figure or a scene.
+    **controls : (first, last), (first, last, step), or list of choices
+        Whole numbers make an integer slider.
+    """
 
     def __init__(self, draw, **controls):
         self.draw = draw
@@ -126,28 +138,6 @@ def _shown(value):
     return f"{value:.4g}".replace("-", "−") if isinstance(value, float) else str(value)
 
 
-def explore(draw, **controls):
-    """A picture with sliders: ``explore(lambda degree: ..., degree=(1, 5))``.
-
-    The picture follows a slider while it moves; positions that it passes while a picture is being drawn are
-    left out. If drawing fails or is interrupted, a line below the picture says so. Where no kernel runs (on a
-    web page, in a stored notebook) a picture moves through eight positions of the first control.
-
-    Parameters
-    ----------
-    draw : callable
-        Takes the controls' values by name, returns a Figure or a scene.
-    **controls : (first, last), (first, last, step), or list of choices
-        Whole numbers make an integer slider.
-
-    Returns
-    -------
-    Explorer
-        To be the last line of a cell.
-    """
-    return Explorer(draw, **controls)
-
-
 def _control(name, value):
     look = {"description": label(name), "layout": {"width": "32em"}}
     look["style"] = {"description_width": "initial"}
@@ -160,3 +150,6 @@ def _control(name, value):
         return kind(value=middle, min=first, max=last, step=step[0], **look)
     # A menu would do, but JupyterLab takes the arrow keys away from it.
     return ipywidgets.SelectionSlider(options=list(value), **look)
+
+
+explore = Explorer

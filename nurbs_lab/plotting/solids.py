@@ -55,7 +55,7 @@ def mesh(mesh, *, edges=True, stage=None, title=None):
 
 
 @takes_stage
-def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
+def layers(layers, *, mesh=None, stage=None, title=None):
     """Ordered contours where they lie in space, outlines blue and holes red.
 
     Parameters
@@ -63,19 +63,13 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
     layers : sequence of Layer
     mesh : trimesh.Trimesh, optional
         The body that they lie on; it hides those at its back.
-    curves : sequence of NurbsCurve, optional
-        In space; drawn instead of the polylines.
     """
     if mesh is not None:
         stage.add_mesh(triangles(mesh), color=CLAY, **_SMOOTH, **MATERIAL)
-    if curves is not None:
-        lines = [c(np.linspace(*c.domain, 8 * len(c.control_points))) for c in curves]
-        lay(stage, lines, color=BLUE, line_width=2)
-    else:
-        for hole, colour in ((False, BLUE), (True, RED)):
-            lines = [c.ring_3d for layer in layers for c in layer.contours if c.is_hole == hole]
-            if lines:
-                lay(stage, lines, color=colour, line_width=2)
+    for hole, colour in ((False, BLUE), (True, RED)):
+        lines = [c.ring_3d for layer in layers for c in layer.contours if c.is_hole == hole]
+        if lines:
+            lay(stage, lines, color=colour, line_width=2)
     return frame(stage, title=title)
 
 
@@ -202,8 +196,8 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
     return frame(stage, title=title, right=0.2)  # for the colour bar
 
 
-def figure_7(points, mesh, layers, surfaces, *, curves=None, width=1200, height=330):
-    """The paper's Fig. 7 from any data: cloud, triangles, layered curves, surface.
+def figure_7(points, mesh, layers, surfaces, *, width=1200, height=330):
+    """The paper's Fig. 7 from any data: cloud, triangles, contours, surface.
 
     Parameters
     ----------
@@ -211,8 +205,6 @@ def figure_7(points, mesh, layers, surfaces, *, curves=None, width=1200, height=
     mesh : trimesh.Trimesh
     layers : sequence of Layer
     surfaces : NurbsSurface, sequence of them, or Reconstruction
-    curves : sequence of NurbsCurve, optional
-        The layered curves; left out, the contours are drawn.
     width, height : int
 
     Returns
@@ -224,7 +216,7 @@ def figure_7(points, mesh, layers, surfaces, *, curves=None, width=1200, height=
     stage.subplot(0, 1)
     _mesh(mesh, stage=stage, title="triangles")
     stage.subplot(0, 2)
-    _layers(layers, curves=curves, stage=stage, title="layered curves" if curves else "contours")
+    _layers(layers, stage=stage, title="contours")
     stage.subplot(0, 3)
     surface(surfaces, stage=stage, title="surfaces")
     return stage
