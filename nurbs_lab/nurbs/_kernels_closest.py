@@ -33,7 +33,7 @@ ROUNDING = 4e-16  # relative to the coordinates: distances below it are zero
 
 @compiled
 def square_jet(net, point, s, t, work):
-    """|S - point|^2 of the patch at (s, t), half its gradient and Hessian, and |S_s|^2, |S_t|^2."""
+    """|S - point|^2 of the patch at (s, t), half its gradient and Hessian, and S_s S_s, S_s S_t, S_t S_t."""
     table_s, table_t, rows, lifted, jet = work
     dim = point.size
     bernstein(net.shape[0] - 1, s, table_s)
@@ -67,7 +67,8 @@ def square_jet(net, point, s, t, work):
         jet[4] += a * b + gap * (lifted[1, 1, d] * scale - ws * b - wt * a - wst * at)
         jet[5] += b * b + gap * (lifted[0, 2, d] * scale - 2.0 * wt * b - wtt * at)
         jet[6] += a * a
-        jet[7] += b * b
+        jet[7] += a * b
+        jet[8] += b * b
     return jet[0]
 
 
@@ -81,13 +82,16 @@ def descend(net, point, cell, s, t, work):
     best = square_jet(net, point, s, t, work)
     floor = ROUNDING**2 * squared_size(point)
     for _ in range(ITERATIONS):
-        _, gs, gt, hss, hst, htt, ss, tt = work[-1]
+        _, gs, gt, hss, hst, htt, ss, st, tt = work[-1]
         # at an edge of the cell or at a pole one parameter is fixed, and the other moves alone
         stuck_s = ss <= 0.0 or (s <= low_s and gs >= 0.0) or (s >= high_s and gs <= 0.0)
         stuck_t = tt <= 0.0 or (t <= low_t and gt >= 0.0) or (t >= high_t and gt <= 0.0)
-        curved = hss > FLAT * ss and htt > FLAT * tt
+        free, curved = not (stuck_s or stuck_t), hss > FLAT * ss and htt > FLAT * tt
         determinant = hss * htt - hst * hst
-        if not (stuck_s or stuck_t) and curved and determinant > FLAT * hss * htt:
+        if free and not (curved and determinant > FLAT * hss * htt):
+            hss, hst, htt = ss, st, tt  # the matrix of Gauss and Newton leads along bent valleys
+            determinant = hss * htt - hst * hst
+        if free and determinant > FLAT * hss * htt:
             step_s = (hst * gt - htt * gs) / determinant
             step_t = (hst * gs - hss * gt) / determinant
         else:
@@ -187,7 +191,7 @@ def closest(boxes, nets, pieces, factors, points, uv, distance):
         np.empty((3, order_v)),
         np.empty((order_v, columns)),
         np.empty((3, 3, columns)),
-        np.empty(8),
+        np.empty(9),
     )
     stack = np.empty(64, dtype=np.int64)
     bounds = np.empty(64)

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.spatial import cKDTree
 
+import nurbs_lab as nl
 from nurbs_lab.nurbs import sphere, torus
 from nurbs_lab.tests.nurbs.samples import random_curve, random_surface
 
@@ -67,3 +68,15 @@ def test_all_points_may_be_nearly_as_near(off):
     assert_allclose(sphere(2).closest_point(above)[1], np.linalg.norm(above) - 2, rtol=1e-12)
     assert_allclose(torus(3, 1).closest_point([off, 0, 0.3])[1], np.hypot(3 - off, 0.3) - 1, rtol=1e-12)
     assert_allclose(torus(3, 1).closest_point([3 + off, 0, 0])[1], 1 - off, rtol=1e-12)
+
+
+@pytest.mark.parametrize("seed", [165, 199, 428])
+def test_narrow_bent_valleys_are_followed_to_their_ends(seed):
+    """Weights of 1e-3 to 1e3 make the distance to a corner a valley that no single parameter follows."""
+    rng = np.random.default_rng(seed)
+    degree = 3 + seed % 3
+    knots = [0, 0, 1e-3, 1, 1], [0] * (degree + 1) + [0.3, 0.7] + [1] * (degree + 1)
+    weights = 10 ** rng.uniform(-3, 3, (3, degree + 3))
+    surface = nl.NurbsSurface((1, degree), knots, rng.normal(size=(3, degree + 3, 3)), weights)
+    edges = surface(np.linspace(0, 1, 9)[:, None], [0.0, 1.0])
+    assert surface.closest_point(edges)[1].max() < 1e-9
