@@ -64,13 +64,11 @@ def interpolate_curve(
     points, t = as_path(points, degree, parametrization, closed, parameters, len(tangents))
     uniform = parametrization == "universal" and parameters is None
     if tangents:
-        return _with_tangents(degree, t, points, tangents, closed)
-    curve = NurbsCurve(degree, *interpolate_values(degree, t, points, closed, uniform))
-    away = checks.lengths(curve(t[: len(points)]) - points).max()
-    if away > MISSED * np.ptp(points):
-        swings = f"swings up to {np.abs(curve.control_points).max():.3g} and misses them by {away:.3g}"
-        cure = "take a lower degree, or parametrization='centripetal'"
-        raise ValueError(f"points: the curve of degree {degree} {swings}; {cure}")
+        solved = _with_tangents(degree, t, points, tangents, closed)
+    else:
+        solved = interpolate_values(degree, t, points, closed, uniform)
+    curve = NurbsCurve(degree, *solved)
+    require_met("points", degree, curve, curve(t[: len(points)]), points)
     return curve
 
 
@@ -107,7 +105,7 @@ def interpolate_surface(grid, degrees=(3, 3), *, parametrization="chord", closed
     degrees = checks.as_pair("degrees", degrees, checks.as_count, 1, 9)
     checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     net, closed = as_grid(grid, degrees, closed)
-    uniform, control, knot_vectors = parametrization == "universal", net, []
+    uniform, control, knot_vectors, fitted = parametrization == "universal", net, [], []
     for axis, degree in enumerate(degrees):
         t = surface_parameters(net.swapaxes(0, axis), axis, degree, parametrization, closed[axis])
         rows = np.ascontiguousarray(control.swapaxes(0, axis))
@@ -115,7 +113,18 @@ def interpolate_surface(grid, degrees=(3, 3), *, parametrization="chord", closed
         vector, flat = interpolate_values(degree, t, flat, closed[axis], uniform)
         control = flat.reshape(-1, *rows.shape[1:]).swapaxes(0, axis)
         knot_vectors.append(vector)
-    return NurbsSurface(degrees, knot_vectors, control)
+        fitted.append(t[: len(rows)])
+    surface = NurbsSurface(degrees, knot_vectors, control)
+    require_met("grid", max(degrees), surface, surface.grid(*fitted), net)
+    return surface
+
+
+def require_met(name, degree, spline, there, points, cure="parametrization='centripetal'"):
+    """Refuse a spline that swings so wildly that rounding keeps it from the points that it was made for."""
+    away, rounding = checks.lengths(there - points).max(), 8 * np.spacing(np.abs(points).max())
+    if away > max(MISSED * checks.spread(points), rounding):
+        swings = f"swings up to {np.abs(spline.control_points).max():.3g} and misses them by {away:.3g}"
+        raise ValueError(f"{name}: the spline of degree {degree} {swings}; take a lower degree, or {cure}")
 
 
 def as_path(points, degree, parametrization, closed, given, more=0):
@@ -184,7 +193,7 @@ def interpolate_values(degree, t, values, closed, uniform=False):
 
 
 def _with_tangents(degree, t, points, tangents, closed):
-    """Open interpolation with C' given at some points, whose parameters count twice."""
+    """Knots and control points of an open curve with C' given at points whose parameters count twice."""
     if closed or degree < 2:
         raise ValueError("tangents: only open curves of degree 2 or more take them")
     count, rows = len(points), {}
@@ -209,7 +218,7 @@ def _with_tangents(degree, t, points, tangents, closed):
         slopes[-2:], control[-2:] = [True, False], control[:-3:-1].copy()
     vector = knots.averaged_knots(degree, t[order])
     _kernels_band.solve_open(degree, vector, t[order], slopes, control)
-    return NurbsCurve(degree, vector, control)
+    return vector, control
 
 
 def drop_repeated_end(points):

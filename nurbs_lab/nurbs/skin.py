@@ -19,6 +19,7 @@ from nurbs_lab.nurbs.interpolate import (
     interpolate_curve,
     interpolate_surface,
     interpolate_values,
+    require_met,
     surface_parameters,
 )
 from nurbs_lab.nurbs.surface import NurbsSurface
@@ -114,7 +115,8 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False):
         samples = max(samples, 4 * (degree_u + 1))
     samples = checks.as_count("samples", samples, degree_u + 1, MOST_SAMPLES)
     if pieces:
-        return _skin_with_corners(pieces, (degree_u, degree_v), samples, closed)
+        with checks.said_of("curves_or_contours"):
+            return _skin_with_corners(pieces, (degree_u, degree_v), samples, closed)
     fractions = np.linspace(0.0, 1.0, samples, endpoint=not around)
     rows = [_sample(curves[0], fractions)]
     for i, curve in enumerate(curves[1:], 1):
@@ -234,11 +236,24 @@ def _skin_with_corners(pieces, degrees, samples, closed):
         vector, net = interpolate_values(degrees[0], at, grids[-1].reshape(count, -1), False)
         knots.append(k + vector[degrees[0] + 1 : -1])
         nets.append(net[k > 0 :])
-    at = surface_parameters(np.concatenate(grids).swapaxes(0, 1), 1, degrees[1], "chord", closed)
     net = np.concatenate(nets).reshape(-1, len(pieces), 3).swapaxes(0, 1)
-    vector, net = interpolate_values(degrees[1], at, net.reshape(len(pieces), -1), closed)
+    vector, net = _across(net, np.concatenate(grids).swapaxes(0, 1), degrees[1], closed)
     u = np.append(np.concatenate(knots), len(counts)) / len(counts)
-    return NurbsSurface(degrees, (u, vector), net.reshape(len(net), -1, 3).swapaxes(0, 1))
+    return NurbsSurface(degrees, (u, vector), net)
+
+
+def _across(nets, points, degree, closed):
+    """Knots across sections and the net of the surface through them.
+
+    The sections have control points ``nets (sections, n, m)``. The distances of ``points (sections, k, 3)``
+    give the parameters.
+    """
+    at, flat = surface_parameters(points, 1, degree, "chord", closed), nets.reshape(len(nets), -1)
+    vector, net = interpolate_values(degree, at, flat, closed)
+    lines = NurbsCurve(degree, vector, net)
+    cure = "sections at more even distances"
+    require_met("grid of sections", degree, lines, lines(at[: len(flat)]), flat, cure)
+    return vector, net.reshape(len(net), *nets.shape[1:]).swapaxes(0, 1)
 
 
 def _sample(curve, fractions):
@@ -303,9 +318,7 @@ def _through(curves, degrees, most, closed):
         if not np.ptp(points, axis=0).any():
             nets[i] = refinement.lift(points[:1], nets[i - 1 if i else 1][:, -1])
     nets = np.array(nets)
-    at = surface_parameters(refinement.project(nets), 1, degrees[1], "chord", closed)
-    vector, net = interpolate_values(degrees[1], at, nets.reshape(len(nets), -1), closed)
-    net = net.reshape(len(net), -1, 4).swapaxes(0, 1)
+    vector, net = _across(nets, refinement.project(nets), degrees[1], closed)
     if not net[..., -1].min() > 0.0:
         return None
     return NurbsSurface._of(degrees, (np.repeat(every, merged), vector), net)

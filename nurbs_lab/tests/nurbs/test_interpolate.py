@@ -8,6 +8,8 @@ from numpy.testing import assert_allclose
 from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 
 import nurbs_lab as nl
+from nurbs_lab import nurbs
+from nurbs_lab.nurbs import circle
 from nurbs_lab.nurbs.knots import universal_parameters
 from nurbs_lab.tests.nurbs.samples import chord_parameters, torus, trefoil
 
@@ -274,3 +276,27 @@ def test_a_curve_that_misses_its_points_is_refused_and_the_cure_works():
         nl.interpolate_curve(points, 9)
     curve = nl.interpolate_curve(points, 9, parametrization="centripetal")
     assert curve.closest_point(points)[1].max() < 1e-11
+
+
+def test_nothing_that_swings_past_what_it_was_made_for_is_returned():
+    """Also where another coordinate is large, with tangents, in both passes of a surface, across sections."""
+    x, y = 10 ** np.linspace(-6, 2, 60), np.sin(np.linspace(0, 6, 60))
+    points = np.column_stack([x, y])
+    rings = [circle(2.0 + b, (0.0, 0.0, a)) for a, b in points]
+    squares = [np.array([(1, 1, a), (-1, 1, a), (-1, -1, a), (1, -1, a), (1, 1, a)]) for a in x]
+    sheet = np.stack([*np.meshgrid(x, x, indexing="ij"), np.outer(y, y)], axis=-1)
+    for make in (
+        lambda: nl.interpolate_curve(np.add(points, (0.0, 1e9)), 9),
+        lambda: nl.interpolate_curve(points, 9, tangents={0: (2.0, 1.0)}),
+        lambda: nl.interpolate_surface(sheet, (9, 9)),
+        lambda: nurbs.skin(rings, (2, 9)),
+        lambda: nurbs.skin(squares, (1, 9)),
+    ):
+        with pytest.raises(ValueError, match=r"swings up to .* and misses them by .*; take a lower degree"):
+            make()
+
+
+def test_rounding_of_places_far_away_is_no_swing():
+    points = 1e-3 * trefoil(np.linspace(0.0, 0.9, 24)) + 1e7
+    curve = nl.interpolate_curve(points)
+    assert_allclose(curve(chord_parameters(points)), points, rtol=2e-15)
