@@ -45,17 +45,13 @@ def needle(part, field) -> np.ndarray:
     return Contact(part, NEEDLE, 0.0).heights(field.places()).reshape(field.z.shape)
 
 
-def stock_field(stock, step, upper=False) -> TipField:
-    """Heights of a stock by `as_stock` at nodes ``step`` mm apart.
-
-    With ``upper`` they are upper bounds for the whole cell about each node.
-    """
+def stock_field(stock, step, wider=0.0) -> TipField:
+    """Heights of a stock by `as_stock` at nodes ``step`` mm apart, or the highest ``wider`` mm around."""
     wrong = "resolution is too fine for this stock"
     if isinstance(stock, TipField):
         high = stock.origin + stock.step * (np.array(stock.z.shape) - 1)
         field = empty_field(stock.origin, high, step, stock.floor, wrong)
-        reach = 2 * int(np.ceil(HALF * step / stock.step)) + 3
-        z = maximum_filter(stock.z, size=reach) if upper else stock.z
+        z = maximum_filter(stock.z, size=2 * int(np.ceil(wider / stock.step)) + 3) if wider else stock.z
         return replace(field, z=z[stock.index(field.places())].reshape(field.z.shape))
     low, high = bounds_of(stock)
     field = empty_field(low[:2], high[:2], step, float(low[2]), wrong)
@@ -63,8 +59,8 @@ def stock_field(stock, step, upper=False) -> TipField:
         return replace(field, z=np.full(field.z.shape, float(high[2])))
     held = field.places().clip(low[:2], high[:2])  # a node beside the stock stands for a strip at its side
     z = needle(stock, replace(field, at=held.reshape(*field.z.shape, 2)))
-    if upper:
-        wide = contact(stock, Cutter("flat", diameter=2.0 * HALF * step)).heights(held)
+    if wider:
+        wide = contact(stock, Cutter("flat", diameter=2.0 * wider)).heights(held)
         z = np.maximum(z, wide.reshape(z.shape))
     return replace(field, z=np.maximum(z, field.floor))
 
@@ -94,12 +90,9 @@ def require_inside(part, stock, cutter):
     step, (low, high), (least, most) = cell_of(stock, cutter), bounds_of(stock), part.bounds
     outside = max((low - least).max(), (most - high).max())
     if not isinstance(stock, np.ndarray):
-        field = stock if isinstance(stock, TipField) else stock_field(stock, step)
-        z = field.z
-        if field is not stock:  # a wall is as uncertain as a height
-            wide = contact(stock, Cutter("flat", diameter=2.0 * INSIDE * step)).heights(field.places())
-            z = np.maximum(z, wide.reshape(z.shape))
-        outside = max(outside, (needle(part, field) - z).max())
+        # A wall is as uncertain as a height.
+        field = stock if isinstance(stock, TipField) else stock_field(stock, step, INSIDE * step)
+        outside = max(outside, (needle(part, field) - field.z).max())
     if outside > INSIDE * step:
         raise ValueError(
             f"part is not inside its stock: up to {outside:.3g} mm of it are outside; give a larger stock, "
@@ -127,7 +120,8 @@ def depths(stock, above, points) -> np.ndarray:
 
 def material_of(stock, cutter, before=None, share=1.0):
     """Upper bounds of the stock for a cutter, after the moves of the program ``before``."""
-    field = stock_field(stock, cell_of(stock, cutter, CELLS / share), upper=True)
+    step = cell_of(stock, cutter, CELLS / share)
+    field = stock_field(stock, step, HALF * step)  # upper bounds for the whole cell about each node
     if before is not None:
         material = Material(field, before.cutter)
         for move in before.moves:
