@@ -23,10 +23,10 @@ class Value:
     def __eq__(self, other):
         if type(self) is not type(other):
             return NotImplemented
-        return self is other or all(map(_same, _fields(self), _fields(other)))
+        return self is other or _key(_fields(self)) == _key(_fields(other))
 
     def __hash__(self):
-        return hash((type(self).__name__, *map(_key, _fields(self))))
+        return hash((type(self).__name__, _key(_fields(self))))
 
     def __repr__(self):
         names = [field.name for field in dataclasses.fields(self) if not field.name.startswith("_")]
@@ -63,20 +63,10 @@ def _brief(item):
     return f"{item:.6g}" if isinstance(item, float) else repr(item)
 
 
-def _same(a, b):
-    if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
-        return np.array_equal(a, b, equal_nan=a.dtype.kind == "f" and b.dtype.kind == "f")
-    if isinstance(a, (list, tuple)) and isinstance(b, (list, tuple)):
-        return len(a) == len(b) and all(map(_same, a, b))
-    if isinstance(a, Mapping) and isinstance(b, Mapping):
-        return a.keys() == b.keys() and all(_same(a[name], b[name]) for name in a)
-    return bool(np.all(a == b))
-
-
 def _key(item):
-    """A hashable key that is equal for equal items."""
+    """A key that is equal for equal items, and hashable if they are."""
     if isinstance(item, np.ndarray):
-        return item.shape, (item + 0).tobytes()  # adding zero makes -0.0 and 0.0 one number
+        return item.shape, (item + 0.0).tobytes()  # makes integers floats, and -0.0 and 0.0 one number
     if isinstance(item, (list, tuple)):
         return tuple(map(_key, item))
     if isinstance(item, Mapping):

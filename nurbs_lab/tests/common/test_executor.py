@@ -101,6 +101,7 @@ def test_workers_that_read_a_file_give_equal_bits(executors, tmp_path):
     for name, executor in executors.items():
         layers = nl.slice_mesh(tmp_path / "ball.stl", heights, executor=executor)
         assert layers == here, name
+        assert [*map(hash, layers)] == [*map(hash, here)], name
         assert not layers[4].contours[0].points.flags.writeable
 
 
