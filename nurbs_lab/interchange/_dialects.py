@@ -242,16 +242,13 @@ class Fanuc(Round):
         points = self.rounded(curve.control_points)
         yield from self.straight(points[:1], feed)
         yield from self.feed_word(feed).split()
-        knots = self.knots(curve)
+        # Knots from zero, and about as long as the control polygon, so that rounding them moves no point.
+        size = max(1.0, lengths(np.diff(curve.control_points, axis=0)).sum())
+        low, high = curve.domain
+        knots = np.round((curve.knots - low) * (size / (high - low)), KNOT_DIGITS)
         yield from self.blocks(curve, points, knots)
         self.position = points[-1]
         yield "G1"
-
-    def knots(self, curve):
-        """From zero, and about as long as the control polygon, so that rounding them moves no point."""
-        size = max(1.0, lengths(np.diff(curve.control_points, axis=0)).sum())
-        low, high = curve.domain
-        return np.round((curve.knots - low) * (size / (high - low)), KNOT_DIGITS)
 
     def blocks(self, curve, points, knots):
         weights = curve.weights / curve.weights.max()

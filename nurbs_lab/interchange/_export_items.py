@@ -30,19 +30,17 @@ class Parts:
             setattr(self, kind, [])
         for item in _flat(items):
             getattr(self, _kind_of(item)).append(item)
-        if not (self.curves or self.all_surfaces or self.paths or self.programs):
+        if not any(getattr(self, kind) for kind in _KINDS):
             raise ValueError("items: nothing to write; give a curve, a surface, a solid, a path or a program")
-
-    @property
-    def all_surfaces(self):
-        """The surfaces, and those of the reconstructions."""
-        return [*self.surfaces, *(s for solid in self.solids for s in solid.surfaces)]
 
     def require(self, suffix):
         """Refuse what a format cannot hold, and warn of faces that fold or cross."""
         for kind, (name, formats, _) in _KINDS.items():
             if getattr(self, kind) and (".ngc" if suffix in PROGRAMS else suffix) not in formats.split():
                 raise ValueError(f"items: a {suffix} file cannot hold {name}; write it to {formats}")
+        dims = {shape.dim for shape in (*self.curves, *self.surfaces)}
+        if not dims <= {2, 3} and suffix not in (".json", *PROGRAMS):
+            raise ValueError(f"items: only shapes in 2 or 3 dimensions can be exported, got {max(dims)}")
         folded = sum(solid.folded_faces for solid in self.solids)
         crossings = sum(len(solid.crossings) for solid in self.solids)
         for found, fault in (folded, f"{folded} faces of a reconstruction fold"), (crossings, "faces cross"):
@@ -84,11 +82,3 @@ def clamped(shape):
             along[-1] = np.where(near, along[0], along[-1])
     degree = shape.degrees if isinstance(shape, NurbsSurface) else shape.degree
     return type(shape)(degree, shape.knots, points, weights)
-
-
-def in_space(points):
-    """Control points with three coordinates; plane ones lie at z = 0."""
-    dim = points.shape[-1]
-    if dim not in (2, 3):
-        raise ValueError(f"items: only shapes in 2 or 3 dimensions can be exported, got {dim}")
-    return points if dim == 3 else np.concatenate([points, np.zeros((*points.shape[:-1], 1))], axis=-1)

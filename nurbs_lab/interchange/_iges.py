@@ -1,6 +1,5 @@
 """IGES 5.3, for programs that cannot read STEP."""
 
-import io
 import itertools
 import re
 
@@ -32,9 +31,8 @@ def write(path, parts):
     lines.FloatWriter().SetFormat("%.15E")  # the usual nine digits would lose a nanometre on a metre
     lines.FloatWriter().SetZeroSuppress(False)
     lines.SendModel(IGESSelect_WorkLibrary.DefineProtocol_s())
-    text = io.BytesIO()
-    lines.Print(text)
-    path.write_bytes(text.getvalue())
+    with path.open("wb") as file:
+        lines.Print(file)
 
 
 def read(path):

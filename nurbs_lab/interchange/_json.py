@@ -11,9 +11,10 @@ WANTED = "a file of geomdl is {'shape': {'type': 'curve' or 'surface', 'count': 
 
 
 def write(path, parts):
-    if parts.curves and parts.all_surfaces:
+    surfaces = [*parts.surfaces, *(surface for solid in parts.solids for surface in solid.surfaces)]
+    if parts.curves and surfaces:
         raise ValueError("items: a .json file holds either curves or surfaces; write two files")
-    kind, data = "curve" if parts.curves else "surface", [*map(_entry, parts.curves or parts.all_surfaces)]
+    kind, data = "curve" if parts.curves else "surface", [*map(_entry, parts.curves or surfaces)]
     with path.open("w", encoding="utf-8") as file:
         json.dump({"shape": {"type": kind, "count": len(data), "data": data}}, file)
 

@@ -8,7 +8,7 @@ import warnings
 from contextlib import contextmanager
 from pathlib import Path
 
-from nurbs_lab.interchange._export_items import clamped, in_space
+from nurbs_lab.interchange._export_items import clamped
 from nurbs_lab.mesh import TrimmedShell, solid
 from nurbs_lab.mesh.solid.opencascade import curve_of, sewn, surface_of
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
@@ -41,8 +41,6 @@ def without_greetings():
 
 def shapes_of(parts):
     """One OpenCASCADE shape for every curve and surface, and a solid for every body of a reconstruction."""
-    for shape in (*parts.curves, *parts.surfaces):
-        in_space(shape.control_points)  # refuses other dimensions
     solids = [_solid_of(body) for reconstruction in parts.solids for body in reconstruction.bodies]
     return [*map(edge_of, parts.curves), *map(_face_of, parts.surfaces), *solids]
 

@@ -27,19 +27,27 @@ def write(path, parts):
     writer = STEPControl_Writer()
     for shape in shapes_of(parts):
         writer.Transfer(shape, STEPControl_AsIs)
-    _leave_out_date_and_count(writer.Model())
-    _keep_weights_of_closed_curves(writer.Model())
+    _mend(writer.Model())
     if writer.Write(str(path)) != IFSelect_RetDone:
         raise OSError(f"OpenCASCADE could not write {path}")
 
 
-def _leave_out_date_and_count(model):
-    """Replace the date and the running number: the same shapes then make the same file, byte for byte."""
+def _mend(model):
+    """Replace the date and the running number: the same shapes then make the same file, byte for byte.
+
+    Nor call a curve closed whose first and last weights differ: the flag is for information only, but
+    OpenCASCADE, reading it, joins the ends and drops the last weight.
+    """
     APIHeaderSection_MakeHeader(model).SetTimeStamp(TCollection_HAsciiString(NO_DATE))
     for i in range(1, model.NbEntities() + 1):
-        if isinstance(entity := model.Value(i), StepBasic_Product):
+        entity = model.Value(i)
+        if isinstance(entity, StepBasic_Product):
             entity.SetId(TCollection_HAsciiString(NAME))
             entity.SetName(TCollection_HAsciiString(NAME))
+        elif isinstance(entity, StepGeom_BSplineCurveWithKnotsAndRationalBSplineCurve):
+            weights = entity.WeightsData()
+            if weights.First() != weights.Last():
+                entity.SetClosedCurve(StepData_Logical.StepData_LFalse)
 
 
 def _require_equal_end_weights(surface):
@@ -51,18 +59,6 @@ def _require_equal_end_weights(surface):
                 "items: a .step file cannot hold a closed surface whose first and last weights differ; "
                 "write it to .igs .json, or as two halves (surface.split)"
             )
-
-
-def _keep_weights_of_closed_curves(model):
-    """Do not call a curve closed whose first and last weights differ.
-
-    The flag is for information only, but OpenCASCADE, reading it, joins the ends and drops the last weight.
-    """
-    for i in range(1, model.NbEntities() + 1):
-        if isinstance(entity := model.Value(i), StepGeom_BSplineCurveWithKnotsAndRationalBSplineCurve):
-            weights = entity.WeightsData()
-            if weights.First() != weights.Last():
-                entity.SetClosedCurve(StepData_Logical.StepData_LFalse)
 
 
 def read(path):

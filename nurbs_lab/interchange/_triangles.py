@@ -6,7 +6,6 @@ import numpy as np
 import trimesh
 
 from nurbs_lab.common.checks import extent
-from nurbs_lab.interchange._export_items import in_space
 from nurbs_lab.mesh.read import read_file
 
 FINENESS = 1e-4  # of the diagonal of the control points: largest distance from the triangles to a surface
@@ -41,7 +40,7 @@ def read(path, unit=None):
 def triangles(surface):
     """A triangle mesh of a surface; equal points (seams, poles) are merged, empty triangles removed."""
     points, faces = surface.tessellate(FINENESS * extent(surface.control_points))
-    mesh = trimesh.Trimesh(in_space(points), faces, process=False)
+    mesh = trimesh.Trimesh(np.pad(points, ((0, 0), (0, 3 - surface.dim))), faces, process=False)
     mesh.merge_vertices(digits_vertex=_digits(points))
     mesh.update_faces((mesh.faces != np.roll(mesh.faces, 1, axis=1)).all(axis=1))
     return mesh
