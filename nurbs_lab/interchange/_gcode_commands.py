@@ -3,11 +3,13 @@
 from nurbs_lab.interchange import _gcode_table as table
 from nurbs_lab.interchange._gcode_shapes import AXES, Shapes, shown_words
 from nurbs_lab.interchange._gcode_table import ALL_AXES, PLANES, SYSTEMS, UNITS_OF_PATHS
+from nurbs_lab.interchange._gcode_words import shown
 from nurbs_lab.interchange._moves import NO_FEED
 
 OTHER_AXES = set("ABCUVWE")
 POLAR = set("@^&")
 PLACED = set("XxtYyuZzv") | POLAR
+TOGETHER = ["rapid", "line"], ["arc", "arc"]  # of Heidenhain: L with FMAX, and C with DR
 WITH_AXES = OTHER_AXES | set("FS")  # what a block may hold beside a command that takes its axes
 SAVED = table.SETTINGS | {"system", "unit", "feed_length", "feed", "spindle"}  # by M70, for M72
 
@@ -27,14 +29,21 @@ class Commands(Shapes):
             self._order(number, block)
         chosen, owned = {}, self.owned
         motions = [motion for code in codes if (motion := self._word(code, block, chosen, owned))]
+        names = [*lettered, *(motion for motion, *_ in motions)]
+        turns = self.heidenhain and names[len(lettered) :] == ["arc"] != lettered
+        if turns or (len(names) > 1 and names not in TOGETHER):
+            raise ValueError(
+                f"{shown(self.lines[self.line - 1])} moves in two ways, or turns without C or CP"
+            )
         if 800 in codes and not motions:
             self._close_spline()
             self._start(self.before if self.motion == "drill" else self.motion)
             self.resumed, chosen["axes"] = self.motion is not None, 800
         drills = not motions or ("unit" in chosen and motions[0][0] == "drill")
         if self.motion == "drill" and drills and "heights" in chosen:
-            word = f"G{chosen['heights'] / 10:g}"
-            raise ValueError(f"{word} moves or scales the heights of a cycle; end it by G80 before")
+            raise ValueError(
+                f"G{chosen['heights'] / 10:g} moves or scales the heights of a cycle; end it by G80"
+            )
         for motion, code, letters in motions:
             if both := owned & set(letters):
                 raise ValueError(f"its {min(both)} belongs to G{code / 10:g} and to another word; part them")
@@ -46,16 +55,16 @@ class Commands(Shapes):
             self._start(motion)
             self.clockwise = code == 20 if motion == "arc" else self.clockwise
             self.cycle = code // 10
-        left = {letter: value for letter, value in block.items() if letter not in WITH_AXES}
-        if "axes" in chosen and left:
-            both = f"{shown_words(left)} is not known beside G{chosen['axes'] / 10:g}"
+        if "axes" in chosen and (left := block.keys() - WITH_AXES):
+            left = shown_words({letter: block[letter] for letter in block if letter in left})
+            both = f"{left} is not known beside G{chosen['axes'] / 10:g}"
             raise ValueError(f"{both}; correct or remove it")
-        if lettered == "pole":
+        if lettered == ["pole"]:
             self._place_pole(block)
             if block:
                 raise ValueError(f"{shown_words(block)} is not known beside CC; correct or remove it")
         elif lettered:
-            self._start(lettered)
+            self._start(lettered[0])
 
     def _order(self, number, block):
         """Do what an M word says."""
@@ -118,7 +127,7 @@ class Commands(Shapes):
 
     def _hole(self, code, value, taken, block):
         """A cycle of Siemens or Heidenhain, whose holes are elsewhere; without a value it ends."""
-        if value and not set("RZIL") <= taken.keys():
+        if not set("RZIL") <= taken.keys():
             raise ValueError(f"G{code / 10:g} is no word that this reader knows; mend it")
         self.holes = value and (value, taken)
         self.due = taken.get("P") == 1

@@ -152,8 +152,7 @@ class Flow:
             self._refuse(place, "calls a subroutine of another file; put it into this one, before its call")
         if len(self.frames) > MOST_CALLS:
             self._refuse(place, f"calls more than {MOST_CALLS} subroutines within one another")
-        local = [key for key in self.parameters if _is_local(key)]
-        self.frames.append((self.place, {key: self.parameters.pop(key) for key in local}, {}))
+        self.frames.append((self.place, self._taken(), {}))
         self.parameters.update({float(i): value for i, value in enumerate(values, start=1)})
         self.place = self.subs[name] + 1
 
@@ -161,10 +160,14 @@ class Flow:
         self.place, hidden, _ = self.frames.pop()
         if hidden is None:
             self._refuse(place, "ends no call")
-        for key in [key for key in self.parameters if _is_local(key)]:
-            del self.parameters[key]
+        self._taken()
         self.parameters.update(hidden)
         self.parameters["_VALUE"] = values[0] if values else 0.0
+
+    def _taken(self):
+        """Take the parameters that belong to the subroutine."""
+        names = [k for k in self.parameters if (k[:1] != "_" if isinstance(k, str) else k <= LOCAL)]
+        return {name: self.parameters.pop(name) for name in names}
 
     def call_program(self, number, times):
         """M98: the lines from that number on to M99; more than four digits begin with how often."""
@@ -186,7 +189,3 @@ class Flow:
         if hidden is not None:
             raise ValueError("M99 ends no subroutine of o-words; write its return")
         return False
-
-
-def _is_local(key):
-    return not key.startswith("_") if isinstance(key, str) else 1 <= key <= LOCAL

@@ -15,12 +15,14 @@ def hole_of_siemens(found):
 
     Pecks are Q deep, and each is J (DAM) less deep than the one before. A factor, below zero, is refused.
     """
-    given = {
-        i: float(text) for i, text in enumerate(found[3].split(",")) if re.fullmatch(NUMBER, text.strip())
-    }
+    given = {i: float(text) for i, text in enumerate(found[3].split(",")) if text.strip()}
     call, code, _ = found.groups()
     surface = given.get(1, 0.0)
-    words = {"I": given.get(2, 0.0), "Z": given.get(3, surface - abs(given.get(4, 0.0))), "L": given.get(0)}
+    words = {
+        "I": given.get(2, 0.0),
+        "Z": given.get(3, surface - abs(given.get(4, math.nan))),
+        "L": given.get(0),
+    }
     words["R"] = surface + words["I"]
     if code == "83":
         words["Q"] = surface - given[5] if 5 in given else given.get(6)

@@ -17,7 +17,7 @@ from nurbs_lab.interchange import _gcode_table as table
 from nurbs_lab.interchange import _gcode_words as spelling
 from nurbs_lab.interchange._gcode_commands import OTHER_AXES, PLACED, POLAR, Commands
 from nurbs_lab.interchange._gcode_flow import Flow
-from nurbs_lab.interchange._gcode_shapes import AXES, MOST_COORDINATE, WORDS, shown_words
+from nurbs_lab.interchange._gcode_shapes import AXES, WORDS, shown_words, within
 from nurbs_lab.interchange._gcode_table import LETTERED
 from nurbs_lab.interchange._gcode_words import lines_of, shown, words_of
 from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_curve
@@ -27,7 +27,8 @@ from nurbs_lab.mesh.formats.shape import as_utf8
 SMALL_MM = 1000.0  # beyond it, numbers without a point are asked for their unit
 UNSAID = "from a place that the program does not say, which is taken as 0"
 UNIT_CODES = {code for code, (kind, *_) in table.G_WORDS.items() if kind == "unit"}
-MARKS = {*"MNTDH", *LETTERED}  # letters that are no words of a move
+MARKS, TOOLS = {*"MN", *LETTERED}, set("TDH")  # letters that are no words of a move
+ARCS = ("",), ("R",), ("&", "^")  # words of C, CR and CP of Heidenhain
 PLACES = tuple(enumerate(("Xxt", "Yyu", "Zzv")))  # by their words, by steps IX or X=IC(), and by X=AC()
 MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
 
@@ -53,13 +54,14 @@ class _Interpreter(Commands):
         self.position, self.known = [0.0, 0.0, 0.0], [False] * 3
         self.motion, self.unit, self.absolute, self.absolute_arcs = None, 1.0, True, False
         self.before, self.resumed = None, False  # of a cycle: its motion before, which may go on after G80
-        self.clockwise, self.pole, self.mirrored, self.polar = True, None, None, False
+        self.clockwise, self.pole, self.mirrored, self.polar = None, None, None, False
         self.feed, self.feed_length, self.feed_unit, self.per = NO_FEED, 1.0, 1 / 60, "minute"
         self.spindle, self.surface, self.diameter = 0.0, False, False
         self.cycle, self.hole, self.level, self.retract, self.saved = 0, {}, 0.0, None, {}
         self.by_steps = False  # whether the heights of the cycle are
         self.holes, self.due = None, False  # a cycle that blocks elsewhere call, and whether this one does
-        self.heidenhain = head is not None
+        self.alone = MOTIONS if head is None else (10,)  # their motions that need no other word
+        self.heidenhain, self.unsaid = head is not None, not head  # whether the unit is not said
         text = "" if self.heidenhain else "\n".join(lines)
         self.printed = spelling.PRINTER.search(text)
         self.lathe = not (self.printed or spelling.MILL.search(text)) and spelling.LATHE.search(text)
@@ -88,6 +90,7 @@ class _Interpreter(Commands):
             said = str(error) if isinstance(error, ValueError) else "a number or its nesting is too large"
             written = data.splitlines()[self.line - 1].decode("latin-1").upper()
             said = said.replace(shown(lines[self.line - 1]), shown(written))
+            said += "" if ";" in said else "; mend it"
             raise ValueError(said if said.startswith("line ") else f"line {self.line}: {said}") from None
         if not any(line.strip("% /") for line in lines):
             raise ValueError("it holds no block")
@@ -101,8 +104,9 @@ class _Interpreter(Commands):
             yield "it holds no move" + (f"; it defines the subroutines {subs}" if subs else "")
         if not (self.ended or self.printed) and (self.kinds or not subs):
             yield "it has no end of a program (M2, M30, % or END PGM); it may be cut off"
-        if self.kinds and not (self.heidenhain or self.printed or self.orders or self.codes & UNIT_CODES):
-            yield "it has no G20 or G21; its numbers are taken as mm"
+        if self.kinds and self.unsaid and not (self.printed or self.orders or self.codes & UNIT_CODES):
+            said = "MM or INCH in BEGIN PGM" if self.heidenhain else "G20 or G21"
+            yield f"it has no {said}; its numbers are taken as mm"
         if self.orders:
             said = f"orders of a printer in {self.orders.total()} of its blocks"
             yield f"{said} are left out, and so are their moves: {', '.join(self.orders)}"
@@ -139,12 +143,14 @@ class _Interpreter(Commands):
         line = "O" + text[1:] if text[0] == ":" else text
         words = words_of(line, self.flow.parameters, not self.heidenhain)
         block, codes, machine, lettered = self._sorted(text, words)
-        if len(codes) == 1 and codes[0] in MOTIONS and not machine and not lettered:
+        if len(codes) == 1 and codes[0] in self.alone and not (machine or lettered):
             self._start(MOTIONS[codes[0]])
             self.clockwise = codes[0] == 20 if codes[0] >= 20 else self.clockwise
         elif codes or machine or lettered:
             self._commands(codes, machine, lettered, block)
         self._take_values(block)
+        if block and self.heidenhain and not lettered:
+            self._start("line")  # L may be left out
         if block:
             self.due |= bool(self.holes and self.holes[1]["P"] == 2)
             self._spline_row(block) if self.motion in WORDS else self._move(block)
@@ -170,7 +176,7 @@ class _Interpreter(Commands):
     def _sorted(self, text, words):
         """A block as letters with numbers, G words in tenths, M words, and what a small letter says."""
         self.owned.clear()
-        block, codes, machine, lettered, theirs, bare = {}, [], [], None, "", set()
+        block, codes, machine, lettered, theirs, bare = {}, [], [], [], "", set()
         for at, (letter, number) in enumerate(words):
             letter = {"U": "x", "W": "z"}.get(letter, letter) if self.lathe else letter  # steps of X and Z
             if letter == "G":
@@ -183,21 +189,26 @@ class _Interpreter(Commands):
                 bare -= {machine[-1]} if letter in table.OUTPUTS.get(machine[-1], "") else set()
             elif letter not in MARKS:
                 if letter in block:
-                    raise ValueError(f"{letter}{number:g} follows another {letter}; keep one of them")
+                    word = spelling.SPELT.get(letter, letter)
+                    raise ValueError(f"{word}{number:g} follows another {word}; keep one of them")
                 block[letter] = number
             elif letter == "M":
                 machine.append(number)
                 theirs = table.M_WORDS[self.heidenhain].get(int(number), "")
                 bare |= {number} & table.OUTPUTS.keys()
             elif letter in LETTERED:
-                lettered = LETTERED[letter]
-            elif letter in "TDH" and (number % 1 or number < 0):
-                raise ValueError(f"{letter}{number:g} is no whole number from 0; mend it")
+                lettered.append(LETTERED[letter])
+                given = "".join(one for one, _ in words if one in "R^&")
+                if letter == "a" and given not in ARCS[int(number)]:
+                    raise ValueError(f"{shown(text)}: C has its end, CR has R too, and CP one of IPA and PA")
             elif letter == "N" and (at or text[0] != "N") and not self.heidenhain:
                 raise ValueError(f"{shown(text)} has the number of a block within it; mend it")
+        for letter in block.keys() & TOOLS:
+            if (number := block.pop(letter)) % 1 or number < 0:
+                raise ValueError(f"{letter}{number:g} is no whole number from 0; mend it")
         for number in bare:
             self.left_out[f"M{number:g}", "without its letters an order of the builder, and left out"] += 1
-        if block.pop("O", None) is not None and (block or words[0][0] != "O" or "#" in text):
+        if block.pop("O", None) is not None and (dict(words).keys() - {"N", "O"} or "#" in text):
             raise ValueError(f"{shown(text)} holds the number of a program; give it its own block")
         return block, codes, machine, lettered
 
@@ -257,8 +268,7 @@ class _Interpreter(Commands):
                 end[i] += block.pop(axis if axis in block else step) * self.unit
             else:
                 continue
-            if not -MOST_COORDINATE <= end[i] <= MOST_COORDINATE:
-                raise ValueError(f"{axis}{end[i]:g} is beyond {MOST_COORDINATE:g} mm; mend it")
+            within(axis, end[i])
         return end, known
 
     def _move(self, block):
@@ -272,41 +282,43 @@ class _Interpreter(Commands):
             self._drill(block)
             return
         end, known = self._target(block)
-        make = feed = None
+        curve = feed = None
         if self.motion == "thread":
             feed = self._by_turn(block.pop("K", 0.0) * self.unit)
         elif self.motion not in ("rapid", "line"):
-            make = getattr(self, f"_{self.motion}")(end, block)
+            curve = getattr(self, f"_{self.motion}")(end, block)
         if block:
             raise ValueError(f"{shown_words(block)} is not known in such a move; correct or remove it")
-        self._add(end, known, make, self.motion == "rapid", feed)
+        self._add(end, known, curve, self.motion == "rapid", feed)
 
-    def _add(self, end, known, make=None, rapid=False, feed=None):
+    def _add(self, end, known, curve=None, rapid=False, feed=None):
         start, self.position = self.position, end
         if not rapid and feed is None and self.feed == NO_FEED:
             raise ValueError("the move has no feed; give it a word F")
-        if make is None and (start == end or (rapid and not known)):
+        if start == end and callable(curve) and not np.ptp(curve.control_points, axis=0).any():
+            curve = None
+        if curve is None and (start == end or (rapid and not known)):
             return
         if rapid:
             feed = NO_FEED
         elif feed is None:
-            feed = self.feed if self.per == "minute" else self._feed_of(start, end, make)
+            feed = self.feed if self.per == "minute" else self._feed_of(start, end, curve)
         if not known:
             self.open_start.append(self.line)
             return
-        if make:
-            self.curves[len(self.kinds)] = make
+        if curve:
+            self.curves[len(self.kinds)] = curve
         self.kinds.append(RAPID if rapid else CUT)
         self.starts.extend(start)
         self.ends.extend(end)
         self.feeds.append(feed)
         self.places.append(self.line)
 
-    def _feed_of(self, start, end, make):
+    def _feed_of(self, start, end, curve):
         """The feed of a move that G95 gives by the turn, or G93 by the inverse of its minutes."""
         if self.per == "turn":
             return self._by_turn(self.feed)
-        curve = arc_curve(start, end, *make) if isinstance(make, tuple) else make and make()
+        curve = arc_curve(start, end, *curve) if isinstance(curve, tuple) else curve
         feed, self.feed = self.feed * (curve.length() if curve else math.dist(start, end)), NO_FEED
         return feed
 

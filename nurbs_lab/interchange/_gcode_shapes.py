@@ -4,13 +4,12 @@ Splines take several blocks: G5.2 and G6.2 of LinuxCNC, G06.2 of Fanuc, and BSPL
 """
 
 import math
-from functools import partial
 
 import numpy as np
 
 from nurbs_lab.interchange import _gcode_table as table
 from nurbs_lab.interchange._gcode_table import PLANES
-from nurbs_lab.interchange._gcode_words import POWERS
+from nurbs_lab.interchange._gcode_words import POWERS, SPELT
 from nurbs_lab.interchange._moves import bezier, bisecting, centre_of_radius
 from nurbs_lab.nurbs import NurbsCurve
 
@@ -22,11 +21,6 @@ JOINS_MM = 1e-3  # from the last move to the first control point of a spline tha
 #: Of a centre to both ends of an arc, in mm, of its radius, and at most in mm: LinuxCNC and grbl accept the
 #: first, and the arc is closed exactly; up to the second it is closed too, and named; else it is refused.
 APART = (5e-3, 1e-3, 0.5), (5e-2, 1e-2, 0.5)
-#: Kind -> letters of the degree, of the weight and of the knot; by how much the first is larger; the degree
-#: and the weight without a word, which G5.2 needs.
-WORDS = {"nurbs": ("L", "P", "", 1, 2, 0.0), "knots": ("P", "R", "K", 1, 3, 1.0)}
-WORDS["siemens"] = "d", "w", "l", 0, 3, 1.0
-EVEN = 1e4  # weights from its inverse to it: a uniform spline with them cannot be refused
 
 
 def uniform(degree, start, points, weights, _):
@@ -71,7 +65,10 @@ def by_spans(degree, start, points, weights, given):
     return np.r_[[0.0] * degree, ends, [ends[-1]] * degree], points, weights
 
 
-SPLINES = {"nurbs": uniform, "knots": by_knots, "siemens": by_spans}
+#: Kind -> letters of the degree, of the weight and of the knot; by how much the first is larger; the degree
+#: and the weight without a word, which G5.2 needs; and what makes its knots.
+WORDS = {"nurbs": ("L", "P", "", 1, 2, 0.0, uniform), "knots": ("P", "R", "K", 1, 3, 1.0, by_knots)}
+WORDS["siemens"] = "d", "w", "l", 0, 3, 1.0, by_spans
 
 
 class Shapes:
@@ -80,16 +77,20 @@ class Shapes:
     def _arc(self, end, rest):
         about_pole = self.pole and "R" not in rest
         axes = a, b, along = PLANES[self.pole_plane if about_pole else self.plane]
-        start, last, turns = (self.position[a], self.position[b]), (end[a], end[b]), rest.pop("P", 1)
+        start, last, turns = (
+            (self.position[a], self.position[b]),
+            (end[a], end[b]),
+            rest.pop("&" if self.heidenhain else "P", 1),
+        )
+        if self.clockwise is None:
+            raise ValueError("the arc has no direction, and none is before it; give it DR+ or DR-")
         if turns != int(turns) or not 1 <= turns <= 1000:
             raise ValueError(f"P{turns:g} is no number of turns from 1 to 1000; mend it")
         i, j = CENTRES[a], CENTRES[b]
         if not rest.get(CENTRES[along], 1.0):
             del rest[CENTRES[along]]  # zero, as some posts write
         if "R" in rest:
-            radius = rest.pop("R") * self.unit
-            if not abs(radius) <= MOST_COORDINATE:
-                raise ValueError(f"R{radius:g} is beyond {MOST_COORDINATE:g} mm; mend it")
+            radius = within("R", rest.pop("R") * self.unit)
             centre, apart = centre_of_radius(start, last, radius, self.clockwise)
             if apart > APART[0][0]:
                 long = math.dist(start, last)
@@ -134,21 +135,17 @@ class Shapes:
             rest |= zip("IJ", self.mirrored, strict=True)
         p, q = rest.get("P", 0.0), rest.get("Q", 0.0)
         both = self._beside(self.position, rest, "IJ", all), self._beside(end, rest, "PQ", all)
-        points = self.position, *both, end
         self.mirrored = -p, -q
-        return partial(bezier, points)
+        return bezier([self.position, *both, end])
 
     def _quadratic(self, end, rest):
         """G5.1: offsets I, J of the middle control point from the start."""
-        points = self.position, self._beside(self.position, rest, "IJ", any), end
-        return partial(bezier, points)
+        return bezier([self.position, self._beside(self.position, rest, "IJ", any), end])
 
     def _beside(self, point, rest, names, needed):
         if self.plane != 17 or not needed(name in rest for name in names):
             raise ValueError(f"the curve needs the plane G17 and its words {', '.join(names)}; give them")
-        x, y = (self.unit * rest.pop(name, 0.0) for name in names)
-        if not max(abs(x), abs(y)) <= MOST_COORDINATE:
-            raise ValueError(f"{', '.join(names)} go beyond {MOST_COORDINATE:g} mm; mend them")
+        x, y = (within(name, self.unit * rest.pop(name, 0.0)) for name in names)
         return point[0] + x, point[1] + y, point[2]
 
     def _powers(self, end, rest):
@@ -159,7 +156,7 @@ class Shapes:
             powers[int(name[1]), AXES.index(name[2])] = rest.pop(letter, 0.0) * self.unit
         self._require_start(powers.sum(axis=0))
         d, k1, k2, _ = powers
-        return partial(bezier, [self.position, d + 2 * k1 / 3 + k2 / 3, d + k1 / 3, d])
+        return bezier([self.position, d + 2 * k1 / 3 + k2 / 3, d + k1 / 3, d])
 
     def _require_start(self, point):
         if not (apart := math.dist(point, self.position)) <= JOINS_MM:
@@ -181,7 +178,8 @@ class Shapes:
         if self.motion == "knots":
             block.pop("Q", None)  # how LinuxCNC is to follow it
         if strange := block.keys() - set(WORDS[self.motion][:3]):
-            raise ValueError(f"{', '.join(strange)} is not known in such a spline; correct or remove it")
+            strange = shown_words({letter: block[letter] for letter in strange})
+            raise ValueError(f"{strange} is not known in such a spline; correct or remove it")
         self.spline.append((self.position if moved else None, block))
 
     def _close_spline(self, by_g53=False):
@@ -192,20 +190,18 @@ class Shapes:
         try:
             if self.motion == "nurbs" and not by_g53:
                 raise ValueError("it has no G5.3")
-            letter, weight, knot, larger, usual, plain = WORDS[self.motion]
+            letter, weight, knot, larger, usual, plain, rule = WORDS[self.motion]
             degrees = [int(words[letter]) - larger for _, words in rows if letter in words]
             degree = degrees[-1] if degrees else usual
             points, blocks = zip(*rows, strict=True)
             weights = [words.get(weight, plain) for words in blocks]
             if not 1 <= degree <= 25 or not min(weights) > 0:
                 raise ValueError(f"its degree {degree} is not from 1 to 25, or it has no positive weight")
-            parts = SPLINES[self.motion](degree, start, list(points), weights, [w.get(knot) for w in blocks])
-            make, self.position = partial(NurbsCurve, degree, *parts), start
-            if self.motion != "nurbs" or not 1 / EVEN < min(parts[2]) <= max(parts[2]) < EVEN:
-                make()  # what is refused is refused now
+            parts = rule(degree, start, list(points), weights, [w.get(knot) for w in blocks])
+            curve, self.position = NurbsCurve(degree, *parts), start
             if self.spline_known:
                 self._require_start(parts[1][0])
-            self._add(list(parts[1][-1]), self.spline_known, make)
+            self._add(list(parts[1][-1]), self.spline_known, curve)
         except ValueError as error:
             raise ValueError(f"line {self.line}: the spline that begins here is refused: {error}") from None
         self.line = last
@@ -228,7 +224,7 @@ class Shapes:
         else:
             radius, angle = radius + block.pop("@", 0.0), angle + block.pop("^", 0.0)
         if step:
-            block["P"] = max(1, math.ceil(abs(step) / 360 - 1e-9))
+            block["&"] = max(1, math.ceil(abs(step) / 360 - 1e-9))
             if self.clockwise == (step > 0):
                 raise ValueError(f"IPA{step:g} turns against DR; mend it")
         block[AXES[i]] = radius * math.cos(math.radians(angle)) - x
@@ -245,10 +241,8 @@ class Shapes:
             self.by_steps = steps
         base = self.level if self.by_steps else self._absolute(axis, 0.0)
         self.hole |= {letter: block.pop(letter) for letter in (AXES[axis], *own) if letter in block}
-        hole = {letter: self.unit * value for letter, value in self.hole.items()}
+        hole = {letter: within(letter, self.unit * value) for letter, value in self.hole.items()}
         times = block.pop("L" if self.plane != 17 or "L" in block else "K", 1)  # K is Fanuc's
-        if not all(abs(value) <= MOST_COORDINATE for value in hole.values()):
-            raise ValueError(f"its words go beyond {MOST_COORDINATE:g} mm; mend them")
         if not {AXES[axis], "R"} <= hole.keys() or (peck and not hole.get("Q", 0) > 0) or self.per == "move":
             raise ValueError(f"the cycle needs {AXES[axis]} and R, and Q if it pecks, but no G93; mend it")
         top = hole["R"] + base
@@ -316,5 +310,12 @@ def _pecks(depth, stroke, less):
     return depths
 
 
+def within(word, mm):
+    """The value of a word, if it is no larger than a machine."""
+    if not abs(mm) <= MOST_COORDINATE:
+        raise ValueError(f"{word}{mm:g} is beyond {MOST_COORDINATE:g} mm; mend it")
+    return mm
+
+
 def shown_words(block):
-    return " ".join(f"{letter}{number:g}" for letter, number in block.items())
+    return " ".join(f"{SPELT.get(letter, letter)}{number:g}" for letter, number in block.items())

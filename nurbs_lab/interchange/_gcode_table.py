@@ -33,7 +33,7 @@ G_WORDS = {
     **{10 * code: ("motion", "drill", "") for code in CYCLES},
     800: ("nothing", None, ""),  # beside a motion
     **{-10 * code: ("hole", code, "RZILQJFKP") for code in CYCLES},  # of Siemens and Heidenhain
-    -800: ("hole", None, ""),
+    -800: ("hole", None, "RZIL"),
     150: ("polar", False, ""),
     160: ("polar", True, ""),
     980: ("retract", "level", ""),

@@ -25,7 +25,7 @@ KEYWORDS |= dict.fromkeys((f"DYN{kind}" for kind in ("NORM", "POS", "ROUGH", "SE
 #: Powers of Heidenhain's SPL -> letter.
 POWERS = dict(zip((f"K{k}{axis}" for axis in "XYZ" for k in (3, 2, 1)), "cefghijkn", strict=True))
 #: What Heidenhain writes instead of G words.
-HEIDENHAIN = {"L": "G1", "CC": "p0", "CR": "a0", "C": "a0", "CP": "a0", "IPA": "&", "PA": "^", "SPL": "s0"}
+HEIDENHAIN = {"L": "G1", "CC": "p0", "C": "a0", "CR": "a1", "CP": "a2", "IPA": "&", "PA": "^", "SPL": "s0"}
 HEIDENHAIN |= {"DR+": "G3", "DR-": "G2", "R0": "", "RL": "G41", "RR": "G42", "CYCL CALL": "M99"} | POWERS
 HEIDENHAIN |= {"FMAX": "m0", "F MAX": "m0"}
 HEIDENHAIN |= {f"I{axis}": axis.lower() for axis in "XYZ"}  # steps, in G90 too
@@ -40,6 +40,12 @@ UNDONE = (
 )
 #: Steps and absolute words of Siemens, in G90 and G91 -> letter.
 WAYS = {way: dict(zip("XYZIJK", to, strict=True)) for way, to in (("IC", "xyzIJK"), ("AC", "tuvoqr"))}
+#: A letter that stands for more of them -> what is written.
+SPELT = KEYWORDS | HEIDENHAIN | {f"{word}=AC": letter for word, letter in WAYS["AC"].items()}
+SPELT = {letter: word for word, letter in SPELT.items() if letter == "&" or letter.islower()}
+#: Values of a cycle of Siemens, some of which may be empty, and a line of one of Heidenhain.
+LIST = rf"(?:(?:[ \t]*{NUMBER})?[ \t]*(?:,|(?=\))))*"
+WORD = rf"[ \t]*Q\d+[ \t]*=[ \t]*{NUMBER}[ \t]*(?:;[^~\n]*)?"
 #: What every such spelling of Siemens, Heidenhain, printers and Fanuc holds, and it -> that of all others.
 REWRITTEN = {
     ("C(", r"([XYZIJK])=([IA]C)\(([^()\n]*)\)"): lambda found: f" {WAYS[found[2]][found[1]]}[{found[3]}]",
@@ -53,13 +59,13 @@ REWRITTEN = {
     ("GOTO", r"(?:IF[ \t]*(\[[^\n]*\])[ \t]*GOTO|GOTO)[ \t]*(\d+)"): lambda found: (
         f"O<{found[2]}> GOTO {found[1] or '[1]'}"
     ),
-    ("CYCLE8", r"(MCALL[ \t]+CYCLE|CYCLE)(8[1-9])[ \t]*\(([-+\d., \t]*)\)"): hole_of_siemens,
-    ("MCALL", r"MCALL[ \t]*$"): "G-80",
+    ("CYCLE8", rf"(MCALL[ \t]+CYCLE|CYCLE)(8[1-9])[ \t]*\(({LIST})\)"): hole_of_siemens,
+    ("MCALL", r"MCALL[ \t]*$"): "G-80 R0Z0I0L0",
     ("=", r"\bR(\d+)[ \t]*="): r" #<_R\1>=",
     ("R", r"(?<=[-=+*/(\[])[ \t]*R(\d+)"): r" #<_R\1>",
     ("$H", r"^[ \t]*\$H[ \t]*$"): "G28",
     ("CYCLE800", r"CYCLE800[ \t]*\([ \t]*\)"): "",
-    ("CYCL DEF 2", r"CYCL DEF (2\d\d)\b[^~\n]*~\n((?:.*~\n)*.*)"): hole_of_heidenhain,
+    ("CYCL DEF 2", rf"CYCL DEF (2\d\d)\b[^~\n]*~\n((?:{WORD}~\n)*{WORD}$)"): hole_of_heidenhain,
 }
 SHIFTED = "shifts, turns, scales or mirrors what follows"
 #: What may stand where a word is due -> why it is refused.
@@ -73,7 +79,7 @@ NO_WORDS = {
     r"\b(?:CIP|POLY|[A-C]SPLINE)\b": "moves along a curve that this reader does not know",
     r"^\$": "is a command to the console of GRBL, not of a program",
     r"\bF(?:[UZ][\d.]|T)": "gives its feed by the turn, the tooth or the time",
-    r"\b[QR]\d+\s*=|=\s*[QR]\d|[A-Z][-+]?Q\d|#<_R\d": "holds parameters that this reader does not know",
+    r"\b[QR]\d+\s*=|=\s*[QR]\d|[A-Z][-+]?Q\d|#<_[QR]\d": "holds parameters that this reader does not know",
     r"^(?:N\d+\s*)?[A-Z_]{2,}\w*[ \t]*(?:[\v(\"]|[A-Z]{2,}|$)": "calls what this reader does not know",
     r"[()]": "holds a bracket within a comment, or one that is not closed; mend it",
 }
@@ -106,7 +112,7 @@ NAME_OF_MACHINE = re.compile(
     "|LINE|PLANE|ADAPTIVE_FEED|COORD_SYSTEM|METRIC|IMPERIAL|ABSOLUTE|INCREMENTAL|INVERSE_TIME|TOOL_OFFSET"
     "|UNITS_PER_(?:MINUTE|REV)|MIST|FLOOD|CCOMP|VALUE(?:_RETURNED)?|VMAJOR|VMINOR|TASK|(?:CALL|REMAP)_LEVEL)"
 )
-R_PARAMETER = re.compile(r"_R\d+$")  # of Siemens
+R_PARAMETER = re.compile(r"_[QR]\d+$")  # of Heidenhain and Siemens
 MOST_SCANNED = 4096  # lines with expressions that are kept, because loops repeat them
 SAME = 1e-4  # numbers that differ by less are equal, as in LinuxCNC
 #: Operator -> its level of precedence and what it does.
@@ -138,7 +144,7 @@ SIGN, HASH, EQUALS, SPACE = map(re.compile, (r"\s*([-+])", r"\s*(#)", r"\s*(=)",
 
 
 def lines_of(data):
-    """The lines of a program in capitals without comments, and the unit of Heidenhain's, MM or INCH."""
+    """The lines of a program in capitals, without comments; and of Heidenhain the unit, or "" without it."""
     text = data.removeprefix(b"\xef\xbb\xbf").decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
     text = (CHECKSUM.sub(_checked, text) if "*" in text else text).upper()
     if re.match(r"%\S*[ \t]+G7[01]\b", text):
@@ -152,8 +158,8 @@ def lines_of(data):
             text = re.sub(pattern, meaning, text, flags=re.MULTILINE)
     text = COMMENT.sub("\v", _without_numbers(text) if head else text)  # INNER joins nothing across it
     if head:
-        text = re.sub(r"FN 0:[ \t]*Q(\d+)[ \t]*=", r"#\1=", text)
-        text = re.sub(r"\b([XYZF][-+]?)Q(?=\d\d?\b)", r"\1#", text)
+        text = re.sub(r"FN 0:[ \t]*Q(\d+)[ \t]*=", r"#<_Q\1>=", text)
+        text = re.sub(r"\b([XYZF][-+]?)Q(\d\d?)\b", r"\1#<_Q\2>", text)
         text = re.sub(LEFT_OUT, "", text, flags=re.MULTILINE)
         text = re.sub(UNDONE, lambda found: "\n" * found[0].count("\n"), text, flags=re.MULTILINE)
         text = re.sub(r"\bF ?AUTO\b", "F#<F_OF_TOOL_CALL>", text)
@@ -170,7 +176,7 @@ def lines_of(data):
             for word in sorted(used, key=len, reverse=True)
         )
         text = re.sub(rf"\b(?:{longest})", lambda found: f" {keywords[found[0]]}", text)
-    return [line.strip() for line in text.split("\n")], head and (head[1] or "MM")
+    return [line.strip() for line in text.split("\n")], head and (head[1] or "")
 
 
 def _checked(found):
@@ -201,7 +207,7 @@ def _without_numbers(text):
         lines[i] = rest
         if number and last is not None:
             step = step or int(number) - last
-            if int(number) - last != step or not rest:
+            if not step or int(number) - last != step or not rest:
                 said = f"line {i + 1}: its block is empty, or one before it is missing or doubled"
                 raise ValueError(f"{said}; mend it, or number anew")
         last = int(number) if number else last

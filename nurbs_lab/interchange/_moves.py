@@ -120,9 +120,9 @@ class MoveTable(Sequence):
         RAPID or CUT; mm/s, NO_FEED of rapid moves; lines of the file, counted from 1, 0 where there is none.
     starts, ends : ndarray, shape (n, 3)
         In mm.
-    curves : mapping of int to callable or tuple
-        What makes the curve of a move that is not straight, by the index of the move; or of an arc, what
-        `arc_curve` needs beside its ends.
+    curves : mapping of int to NurbsCurve or tuple
+        The curve of a move that is not straight, by the index of the move; or of an arc, what `arc_curve`
+        needs beside its ends.
     """
 
     def __init__(self, kinds, starts, ends, feeds, lines, curves):
@@ -139,18 +139,23 @@ class MoveTable(Sequence):
         if isinstance(index, slice):
             return tuple(self[i] for i in range(*index.indices(len(self))))
         i = range(len(self))[index]
-        ends, made = (self.starts[i], self.ends[i]), self.curves.get(i, ())
-        curve = made() if callable(made) else arc_curve(*ends, *made) if made else line(*ends)
+        ends = self.starts[i], self.ends[i]
+        curve = self.curves.get(i) or line(*ends)
+        curve = arc_curve(*ends, *curve) if isinstance(curve, tuple) else curve
         kind = ("rapid", "cut")[self.kinds[i]]
         return Move(kind, curve, float(self.feeds[i]) or None, int(self.lines[i]) or None)
 
-    def strokes(self):
-        """Kind, curve, feed and first number of the moves; straight ones that go on are one polyline."""
+    def runs(self):
+        """First and end of straight moves that go on with the same kind and feed; a curve is alone."""
         bent = np.zeros(len(self), dtype=bool)
         bent[list(self.curves)] = True
         alike = (np.diff(self.kinds) == 0) & (np.diff(self.feeds) == 0) & ~bent[1:] & ~bent[:-1]
         alike &= (self.starts[1:] == self.ends[:-1]).all(axis=1)
-        for i, end in pairwise([*np.flatnonzero(np.r_[len(self) > 0, ~alike]), len(self)]):
+        return pairwise([*np.flatnonzero(np.r_[len(self) > 0, ~alike]), len(self)])
+
+    def strokes(self):
+        """Kind, curve, feed and first number of the moves; straight ones that go on are one polyline."""
+        for i, end in self.runs():
             move = self[i]
             curve = line(self.starts[i], *self.ends[i:end]) if end > i + 1 else move.curve
             yield move.kind, curve, move.feed, i

@@ -81,14 +81,9 @@ def _smooth_program(program, tolerance):
     table = moves if isinstance(moves, MoveTable) else _table(moves)
     if not len(table):
         return program
-    straight = table.kinds == CUT
-    straight[list(table.curves)] = False
-    joins = straight[1:] & straight[:-1] & (table.feeds[1:] == table.feeds[:-1])
-    joins &= (table.starts[1:] == table.ends[:-1]).all(axis=1)
-    first = np.flatnonzero(np.r_[True, ~joins])
-    for a, b in zip(first, np.r_[first[1:], len(table)], strict=True):
-        if not straight[a]:
-            new += [table[i] for i in range(a, b)]
+    for a, b in table.runs():
+        if table.kinds[a] != CUT or a in table.curves:
+            new += table[a:b]
             continue
         points = np.concatenate([table.starts[a : a + 1], table.ends[a:b]])
         feed, place = float(table.feeds[a]), a
@@ -105,7 +100,7 @@ def _table(moves):
         as_kind("moves", move, Move)
         kind, points = CUT if move.kind == "cut" else RAPID, move.curve.clamped().control_points
         if kind == RAPID or move.curve.degree > 1:
-            curves[len(rows)] = lambda curve=move.curve: curve
+            curves[len(rows)] = move.curve
             points = points[[0, -1]]
         for start, end in itertools.pairwise(points):
             rows.append((kind, start, end, move.feed or NO_FEED, move.line or 0))

@@ -89,6 +89,57 @@ def test_what_steers_the_feed_of_heidenhain_otherwise_is_refused(tmp_path, block
         heidenhain(tmp_path, "TOOL CALL 1 Z S1500 F240", "L X+0 Y+0 Z+0 R0 FMAX", block)
 
 
+NOT_GIVEN = [
+    ("CC X+0 Y+0\nC X-10 Y+0", "line 5: the arc has no direction, .* give it DR"),
+    ("CR X+0 Y+10 R+10", "line 4: the arc has no direction"),
+    ("CC X+0 Y+0\nCP IPA+90", "line 5: the arc has no direction"),
+    ("CC X+0 Y+0\nCR X-10 Y+0 DR+", r"line 5: 'CR X-10 Y\+0 DR\+': C has its end, CR has R too"),
+    ("CC X+0 Y+0\nC X-10 Y+0 R+10 DR+", "line 5: .*: C has its end"),
+    ("CC X+0 Y+0\nCP Z-5 DR+", "line 5: .* and CP one of IPA and PA; mend it"),
+    ("CC X+0 Y+0\nX-10 Y+0 DR+", "line 5: .* turns without C or CP; mend it"),
+    ("CC X+0 Y+0\nC X-10 Y+0 DR+ FMAX", "line 5: .* moves in two ways"),
+    ("L X+1 CC Y+0 FMAX", "line 4: .* moves in two ways"),
+    ("L X+5 Y+Q7", "line 4: Q7 has no value"),
+    ("CYCL DEF 200 DRILLING ~\nQ200=2 ~\nQ201=-7 ~\nQ206= ~\nQ202=4 ~\nQ203=0", "line 4: 'CYCL DEF 200"),
+    ("CC X+0 Y+0\nC X+10 Y+0 P2 DR+", "line 5: P2 is not known in such a move"),
+    ("SPL X+5 ~\nK3X+0 K2X+0 K1X+5 K1X+5", "line 4: K1X5 follows another K1X"),
+]
+
+
+@pytest.mark.parametrize(("blocks", "said"), NOT_GIVEN)
+def test_what_heidenhain_needs_is_not_taken_as_given(tmp_path, blocks, said):
+    text = f"BEGIN PGM A MM\nTOOL CALL 1 Z S100 F300\nL X+10 Y+0 Z+0 FMAX\n{blocks}\nEND PGM A MM"
+    with pytest.raises(ValueError, match=said):
+        program(tmp_path, text)
+
+
+def test_direction_holds_and_fmax_and_arcs_end_with_their_block(tmp_path):
+    """As in the ISO words G05 and G15 of the same controllers, an arc without DR turns as the last one."""
+    blocks = "CC X+0 Y+0", "C X-10 DR+ F60", "C X+10", "X+5", "Y+3 FMAX", "X+1"
+    moves = heidenhain(tmp_path, "TOOL CALL 1 Z S100", "L X+10 Y+0 Z+0 FMAX", *blocks)
+    assert [move.kind for move in moves] == ["cut", "cut", "cut", "rapid", "cut"]
+    np.testing.assert_allclose([move.curve(0.5) for move in moves[:2]], [(0, 10, 0), (0, -10, 0)], atol=1e-9)
+    np.testing.assert_allclose(ends(moves[2:]), [(5, 0, 0), (5, 3, 0), (1, 3, 0)])
+
+
+def test_the_unit_of_heidenhain_is_asked_for(tmp_path):
+    with pytest.warns(UserWarning, match="it has no MM or INCH in BEGIN PGM; its numbers"):
+        program(tmp_path, "BEGIN PGM A\nL X+0 Y+0 Z+0 FMAX\nL X+5 F60\nEND PGM A")
+
+
+def test_blocks_of_heidenhain_with_one_number_are_doubled(tmp_path):
+    with pytest.raises(
+        ValueError, match="line 2: its block is empty, or one before it is missing or doubled"
+    ):
+        program(tmp_path, "1 BEGIN PGM A MM\n1 L X+0 FMAX\n2 END PGM A MM")
+
+
+@pytest.mark.parametrize("cycle", ["CYCLE81(10,1,2)", "CYCLE81(10,1,2-,-6)", "CYCLE81(10,1,2,--6)"])
+def test_cycles_of_siemens_without_a_depth_or_with_broken_numbers_are_refused(tmp_path, cycle):
+    with pytest.raises(ValueError, match=r"line 2: 'CYCLE81"):
+        program(tmp_path, f"G17 G90 F60\n{cycle}\nM30")
+
+
 @pytest.mark.parametrize(("tool", "axes"), [("Z", "XYZ"), ("Y", "ZXY"), ("X", "YZX")])
 def test_arcs_of_heidenhain_turn_about_the_axis_of_the_tool(tmp_path, tool, axes):
     """Counterclockwise seen from its positive side, from the first of the other axes to the second."""

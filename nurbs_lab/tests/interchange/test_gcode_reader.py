@@ -110,11 +110,27 @@ def test_splines_of_linuxcnc(tmp_path):
     np.testing.assert_allclose(nurbs.curve.weights, [1, 2, 1, 1])
 
 
+@pytest.mark.parametrize(
+    "still",
+    [
+        "G5.2 P1 L3\nX0 Y0 P1\nX0 Y0 P9\nG5.3",
+        "BSPLINE SD=2 X0 Y0\nX0 Y0\nX0 Y0",
+        "G6.2 P3 K0 X0 Y0 R1\nK0 X0 Y0 R1\nK0 X0 Y0 R1\nK1\nK1\nK1",
+        "G5 I0 J0 P0 Q0 X0 Y0",
+        "G93\nG5.1 I0 J0 X0 Y0 F5\nG94 F600",
+    ],
+)
+def test_a_curve_without_length_is_no_move_as_a_line_is_none(tmp_path, still):
+    moves = program(tmp_path, f"{START}{still}\nG1 X5").moves
+    np.testing.assert_array_equal(ends(moves), [(5, 0, 0)])
+
+
 START = "G21 G90 G17\nG0 X0 Y0 Z0\nF600\n"
 #: Blocks after START -> ends of their moves in the plane.
 READ = {
     "G64 P0.05\nG1 X5": [(5, 0)],  # a stray word is no move
     "G61.1\nG1 X5": [(5, 0)],
+    "N1 O1\nG1 X5": [(5, 0)],
     "M62 P0\nG1 X5 M66 P0 L3 Q5\nM100 P1 Q2": [(5, 0)],
     "G1 X5\nG4 F2\nX9\nG4 P1\nG04 X2.\nX10": [(5, 0), (9, 0), (10, 0)],
     "G43 H1 T2 M6 S500 M3\nG96 D100 S200\nG1 X5 D1": [(5, 0)],
