@@ -1,6 +1,7 @@
 """Trimmed faces on planes, cylinders, cones, spheres and tori, joined to a closed shell by OpenCASCADE.
 
-Vertices and edges are those where regions of the mesh meet, moved onto the surfaces on both sides. What else
+Vertices and edges are those where regions of the mesh meet, moved onto the surfaces on both sides; where a
+region meets free form, they are those of the patches there. What else
 a face on a closed surface needs, seams, poles and curves in the parameters, ``ShapeFix`` adds, as for STEP.
 """
 
@@ -9,9 +10,11 @@ from itertools import pairwise
 import numpy as np
 
 from nurbs_lab.mesh.solid import opencascade as oc
+from nurbs_lab.mesh.solid.faces import ALONG
+from nurbs_lab.mesh.solid.net import DEGREE, sides_of
 from nurbs_lab.mesh.solid.quadrics import circumcentres
 from nurbs_lab.mesh.solid.rims import chains_of, onto
-from nurbs_lab.nurbs import interpolate_curve
+from nurbs_lab.nurbs import NurbsCurve, interpolate_curve
 
 from OCP.BRep import BRep_Builder  # isort: skip  (after the check that it is there)
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
@@ -36,7 +39,7 @@ from OCP.TopTools import TopTools_HSequenceOfShape
 _PLACES = 8, 400  # on a curve: at first, and at most
 
 
-def shell_of(points, triangles, label, surfaces, scale):
+def shell_of(points, triangles, label, surfaces, scale, rest=None):
     """The closed shell whose faces are the regions of a mesh; None if OpenCASCADE finds it not valid.
 
     Parameters
@@ -49,26 +52,32 @@ def shell_of(points, triangles, label, surfaces, scale):
         That of every region.
     scale : (float, (3,) array)
         Factor and translation to the units of the shell.
+    rest : Patches, dict, optional
+        Where ``label`` is -1, in the units of the shell, and the regions beside their edges on the rim.
     """
     chains, builder = chains_of(triangles, label), BRep_Builder()
     around, places, vertices, edges = {}, {}, {}, [[] for _ in surfaces]
+    faces = []
+    if rest:
+        faces, corners, corner_places = _patches(builder, *rest, [s.scaled(*scale) for s in surfaces], edges)
+        corner_places = (corner_places - scale[1]) / scale[0]
     for regions, along in chains:
         for v in (along[0], along[-1]):
             around.setdefault(v, set()).update(regions)
     for v, regions in around.items():
-        places[v] = onto([surfaces[k] for k in sorted(regions)], points[[v]])[0]
-        vertices[v] = TopoDS_Vertex()
-        builder.MakeVertex(vertices[v], _point(places[v] * scale[0] + scale[1]), 2.0 * oc.CONFUSION)
+        if min(regions) < 0:
+            nearest = np.linalg.norm(corner_places - points[v], axis=1).argmin()
+            places[v], vertices[v] = corner_places[nearest], corners[nearest]
+        else:
+            places[v] = onto([surfaces[k] for k in sorted(regions)], points[[v]])[0]
+            vertices[v] = _vertex(builder, places[v] * scale[0] + scale[1])
     for regions, along in chains:
+        if min(regions) < 0:
+            continue
         line, first, last = points[along], along[0], along[-1]
         line[0], line[-1] = places[first], places[last]
         geometry, reach, off = _curve_along([surfaces[k] for k in regions], line, first == last, scale)
-        edge, tolerance = TopoDS_Edge(), max(oc.CONFUSION, 1.1 * off)
-        builder.MakeEdge(edge, geometry, TopLoc_Location(), tolerance)
-        for v, side in ((first, TopAbs_FORWARD), (last, TopAbs_REVERSED)):
-            builder.Add(edge, vertices[v].Oriented(side))
-            builder.UpdateVertex(vertices[v], 2.0 * tolerance)
-        builder.Range(edge, *map(float, reach))
+        edge = _edge(builder, geometry, reach, (vertices[first], vertices[last]), off)
         for region, left in zip(regions, (True, False), strict=True):
             side = TopAbs_FORWARD if left == (surfaces[region].sign > 0.0) else TopAbs_REVERSED
             edges[region].append(edge.Oriented(side))
@@ -76,11 +85,62 @@ def shell_of(points, triangles, label, surfaces, scale):
     builder.MakeShell(shell)
     for region, surface in enumerate(surfaces):
         face = _face(builder, _surface_of(surface, scale), edges[region])
-        builder.Add(shell, face if surface.sign > 0.0 else face.Reversed())
+        faces.append(face if surface.sign > 0.0 else face.Reversed())
+    for face in faces:
+        builder.Add(shell, face)
     fix = ShapeFix_Shape(shell)
     fix.Perform()
     shells = list(oc.parts(fix.Shape(), TopAbs_SHELL))
     return shells[0] if len(shells) == 1 and BRepCheck_Analyzer(shells[0]).IsValid() else None
+
+
+def _patches(builder, patches, rims, surfaces, edges):
+    """Faces of patches, vertices at their corners, and the places of these.
+
+    What lies on the rim is added to the ``edges`` of the regions there.
+    """
+    layout, faces, made = patches.layout, [], {}
+    sides = np.stack(sides_of(patches.nets), axis=1)
+    numbers, first = np.unique(layout.corners, return_index=True)
+    places = sides[:, :, 0].reshape(-1, 3)[first]
+    vertices = dict(zip(numbers.tolist(), (_vertex(builder, place) for place in places), strict=True))
+    for surface, lines, ends, around in zip(
+        patches.surfaces(), sides, layout.corners.tolist(), layout.edges.tolist(), strict=True
+    ):
+        loop = []
+        for k, edge in enumerate(around):
+            if edge in made:
+                loop.append(made[edge].Oriented(TopAbs_REVERSED))
+                continue
+            curve, off = NurbsCurve(DEGREE, surface.knots[0], lines[k]), 0.0
+            if edge in rims:
+                on = surfaces[rims[edge]]
+                off = np.abs(on.distances(curve(np.linspace(0.0, 1.0, 4 * ALONG)))).max()
+            both = vertices[ends[k]], vertices[ends[(k + 1) % 4]]
+            made[edge] = _edge(builder, oc.curve_of(curve), (0.0, 1.0), both, off)
+            loop.append(made[edge].Oriented(TopAbs_FORWARD))
+            if edge in rims:
+                side = TopAbs_REVERSED if on.sign > 0.0 else TopAbs_FORWARD
+                edges[rims[edge]].append(made[edge].Oriented(side))
+        faces.append(_face(builder, oc.surface_of(surface), loop))
+    return faces, list(vertices.values()), places
+
+
+def _vertex(builder, place):
+    vertex = TopoDS_Vertex()
+    builder.MakeVertex(vertex, _point(place), 2.0 * oc.CONFUSION)
+    return vertex
+
+
+def _edge(builder, geometry, reach, ends, off):
+    """The edge along a curve, which is ``off`` its surfaces, from one vertex to another."""
+    edge, tolerance = TopoDS_Edge(), max(oc.CONFUSION, 1.1 * off)
+    builder.MakeEdge(edge, geometry, TopLoc_Location(), tolerance)
+    for vertex, side in zip(ends, (TopAbs_FORWARD, TopAbs_REVERSED), strict=True):
+        builder.Add(edge, vertex.Oriented(side))
+        builder.UpdateVertex(vertex, 2.0 * tolerance)
+    builder.Range(edge, *map(float, reach))
+    return edge
 
 
 def _face(builder, geometry, edges):

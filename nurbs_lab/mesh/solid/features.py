@@ -53,17 +53,18 @@ class Surfels:
     least_chord: float
 
 
-def surfels(vertices, triangles, sharp_angle, reach=0.0, rough=False):
+def surfels(vertices, triangles, sharp_angle, reach, rough, region):
     """Arrays of a closed mesh, its sharp curves found, and the rest made smooth.
 
     An edge is sharp if the mesh turns across it by more than ``sharp_angle`` degrees beyond what is expected,
     and so do the normals at half of ``reach`` from it. Chains of sharp edges that end freely are noise, and
     so are connected ones with corners too near to one another on a ``rough`` mesh, of which what is rough
-    within ``reach`` is smoothed.
+    within ``reach`` is smoothed. Borders of the ``region`` of every triangle are sharp anyway.
     """
     opposite = opposite_of(triangles)
     sharp = _turning(vertices, triangles, opposite, sharp_angle, reach)
     _drop_short(vertices, triangles, opposite, sharp, sharp_angle, _JAGGED * reach * rough)
+    sharp |= np.repeat(region, 3) != region[opposite // 3]
     kinds = _kinds(vertices, triangles, sharp, sharp_angle)
     if rough:
         vertices = _faired(vertices, triangles, kinds == _kernels_ring.FREE, reach)

@@ -14,10 +14,12 @@ from trimesh.triangles import closest_point
 
 from nurbs_lab.mesh.core import face_normals, unit, vertex_normals
 from nurbs_lab.mesh.distance import triangle_tree
+from nurbs_lab.mesh.solid.faces import ALONG
 from nurbs_lab.mesh.solid.features import factorized
 from nurbs_lab.mesh.solid.grids import even_places, places
-from nurbs_lab.mesh.solid.net import DEGREE, number_nodes, side_places, turned
+from nurbs_lab.mesh.solid.net import DEGREE, number_nodes, side_places, sides_of, turned
 from nurbs_lab.mesh.solid.patches import Patches, basis_at
+from nurbs_lab.mesh.solid.rims import onto
 from nurbs_lab.mesh.solid.space import smooth_conditions
 
 ENERGY = 1e-3, 3e-4, 1e-4, 3e-5, 1e-5  # weight of the thin plate, round by round
@@ -26,10 +28,14 @@ HOPELESS = 2.0  # tolerances off the mesh, from which no more rounds than those 
 STIFFER = 10.0  # factor of the energy of a patch that folds, from round to round
 PENALTY, CORRECTIONS = 1e3, 4  # of the conditions of smooth edges, and how often its force is corrected
 GRID = DEGREE + 2  # cells of the grid on a patch
+RIM = 1e5  # weight of edges that are held on surfaces, in the last fit
 
 
-def fit(target, layout, nodes, within) -> Patches:
-    """Patches on a layout, near a target `Target` to about ``within``; ``nodes`` are its even grids."""
+def fit(target, layout, nodes, within, rims) -> Patches:
+    """Patches on a layout, near a target `Target` to about ``within``; ``nodes`` are its even grids.
+
+    ``rims`` are edges of the layout which are held on a surface each: pairs of both.
+    """
     net, count = number_nodes(layout, DEGREE + 1)
     equations = _Equations(net, smooth_conditions(layout, net, _angles(nodes)))
     faces, cells = len(nodes), nodes.shape[1] - 1
@@ -68,6 +74,8 @@ def fit(target, layout, nodes, within) -> Patches:
         solve = equations.solver(energy, mesh_part, grid_part, _creases(layout, patches))
         patches = Patches(layout, net, solve())
         patches = Patches(layout, net, _with_volume(patches, solve, target.volume))
+    if rims:
+        best = Patches(layout, net, equations.solver(energy, mesh_part, grid_part, _held(best, rims))())
     return best
 
 
@@ -144,6 +152,23 @@ def _creases(layout, patches=None):
         t[:, 1:-1] = there[gaps.argmin(axis=2)]
     uv = side_places(np.arange(4), t.ravel()).reshape(4, -1, count, 2)[side % 4, np.arange(len(side))]
     return np.repeat(side // 4, count), uv.reshape(-1, 2), np.full(t.size, 1.0 / count), points.reshape(-1, 3)
+
+
+def _held(patches, rims):
+    """Samples of rims, at the places of their surfaces that are nearest to the curves there are."""
+    side = patches.layout.sides[[edge for edge, _ in rims], 0]
+    t = np.linspace(0.0, 1.0, ALONG)
+    curves = basis_at(t) @ np.stack(sides_of(patches.nets), axis=1).reshape(-1, DEGREE + 1, 3)[side]
+    at_end = {}
+    for (_, surface), curve in zip(rims, curves, strict=True):
+        for end in curve[0], curve[-1]:
+            at_end.setdefault(tuple(end), []).append(surface)
+    for (_, surface), curve in zip(rims, curves, strict=True):
+        ends = [onto(at_end[tuple(curve[k])], curve[[k]])[0] for k in (0, -1)]
+        curve[:] = onto([surface], curve)
+        curve[0], curve[-1] = ends
+    uv = side_places(np.arange(4), t).reshape(4, -1, 2)[side % 4].reshape(-1, 2)
+    return np.repeat(side // 4, ALONG), uv, np.full(len(uv), RIM / ALONG), curves.reshape(-1, 3)
 
 
 def _angles(nodes):

@@ -12,12 +12,16 @@ _HALVES = np.array([[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], [[0.0, 0.0], [1.0, 1.0
 
 
 def even_grid(mesh, layout, chart):
-    """Points of the mesh for every face of a layout, on a grid of `CELLS` squared cells, from its chart."""
+    """Points of the mesh for every face of a layout, on a grid of `CELLS` squared cells, from its chart.
+
+    And the triangle in which the middle of the face lies.
+    """
     net, count = number_nodes(layout, CELLS + 1)
     triangle, weights = np.empty(count, dtype=np.int64), np.empty((count, 3))
     triangle[net], weights[net] = chart.places(CELLS)
     kernels.trace_back(chart.log, len(mesh.triangles), triangle, weights)
-    return np.einsum("nk,nkd->nd", weights, mesh.vertices[mesh.triangles[triangle]])[net]
+    middle = triangle[net[:, CELLS // 2, CELLS // 2]]
+    return np.einsum("nk,nkd->nd", weights, mesh.vertices[mesh.triangles[triangle]])[net], middle
 
 
 def even_places(cells):

@@ -1,6 +1,6 @@
 """Bezier patches of degree 5 on a layout: neighbours have the same control points along their common edge."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -29,6 +29,12 @@ class Patches(Value):
     layout: Layout
     net: np.ndarray
     control: np.ndarray
+
+    def some(self, faces):
+        """Only some faces, as an open surface; control points and edges keep their numbers."""
+        layout, names = self.layout, ("corners", "edges", "forward")
+        layout = replace(layout, **{name: getattr(layout, name)[faces] for name in names})
+        return replace(self, layout=layout, net=self.net[faces])
 
     def surfaces(self) -> tuple[NurbsSurface, ...]:
         """One untrimmed surface a face."""

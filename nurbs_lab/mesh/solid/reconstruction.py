@@ -263,8 +263,8 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
         Edges that turn by more than this, in degrees, stay sharp and become edges of faces. The mesh must
         turn so within two tolerances on both sides, so noise and slivers make no sharp edges.
     faces : 'auto' or 'patches'
-        Whether a surface of the mesh that lies on planes, cylinders, cones, spheres and tori gets exact faces
-        on these, which needs the extra ``cad``; else all faces are fitted.
+        Whether what lies on planes, cylinders, cones, spheres and tori gets exact faces on these, which needs
+        the extra ``cad``; else all faces are fitted.
     max_faces : int, optional
         Of each shell. The best that was found within it is returned, whether or not it keeps the tolerance.
         By default 3,000 fitted faces, or as many as there are triangles: a solid with more is of no use.
@@ -285,7 +285,8 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
     Notes
     -----
     Where all vertices lie on planes and round surfaces, those become trimmed faces (`mesh.solid.regions`,
-    `mesh.solid.exact`), if they keep the tolerance. Every other closed surface of the mesh is divided into
+    `mesh.solid.exact`), if they keep the tolerance. Where only some do, and the rest meets them at sharp
+    edges, the rest is fitted and its rim held on them. Every other closed surface of the mesh is divided into
     four-sided patches (`mesh.solid.layout`). Patches of degree 5 whose tangent planes agree along all smooth
     edges, ends included, form a linear space (`mesh.solid.space`), in which one sparse least-squares fit
     finds all of them together (`mesh.solid.fit`); it keeps the volume of the mesh. Where the measured
@@ -315,12 +316,12 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
 
     def best(part):
         # surfaces that meet at less than the sharp angle are told apart at a third of it
-        angles = (sharp_angle, sharp_angle / 3.0) if faces == "auto" else ()
-        exact = next(filter(None, (exact_shell(part, tolerance, angle) for angle in angles)), None)
+        ways = ((sharp_angle,), (sharp_angle / 3.0,), (sharp_angle, True)) if faces == "auto" else ()
+        exact = next(filter(None, (exact_shell(part, tolerance, *way) for way in ways)), None)
         if exact and len(exact.shell.faces) <= most:
             return exact
         count = len(part.triangles)
-        fitted = build(part, tolerance, sharp_angle, max_faces, count if angles and count <= most else np.inf)
+        fitted = build(part, tolerance, sharp_angle, max_faces, count if ways and count <= most else np.inf)
         # the planes of so coarse a mesh that fewer patches do not keep the tolerance
         return fitted or exact_shell(part, tolerance, 0.0) or build(part, tolerance, sharp_angle, max_faces)
 

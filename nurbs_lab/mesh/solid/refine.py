@@ -5,7 +5,7 @@ from itertools import count
 
 import numpy as np
 
-from nurbs_lab.mesh.core import face_normals, vertex_normals
+from nurbs_lab.mesh.core import face_normals, unit, vertex_normals
 from nurbs_lab.mesh.distance import triangle_samples
 from nurbs_lab.mesh.solid.features import refine, surfels, without_needles, without_slivers
 from nurbs_lab.mesh.solid.fit import Target, fit
@@ -42,6 +42,7 @@ class Fitted:
     bad: np.ndarray  # of every face, the largest distance but for those of the second look
     faulty: np.ndarray  # faces that fold, or pass through others
     face_of_vertex: np.ndarray  # the face nearest to every vertex of the mesh that is divided
+    rims: dict | None = None  # of edges with a single face, the regions on the other side
 
     @property
     def worst(self):
@@ -49,11 +50,13 @@ class Fitted:
         return max(self.to_surface.max(), self.to_mesh.max())
 
 
-def build(part, tolerance, sharp_angle, most_faces=None, enough=np.inf) -> Fitted | None:
+def build(part, tolerance, sharp_angle, most_faces=None, enough=np.inf, regions=None) -> Fitted | None:
     """Fit a shell to a closed surface; the best of the attempts if none keeps the tolerance.
 
     By default it has at most `MOST_FACES`, or as many faces as the surface has triangles. None if no fit
     keeps the tolerance, and the layouts have ``enough`` faces together; at `TRIED` times that they end.
+    Of ``regions``, a number for every triangle and their surfaces, only those of number -1 are fitted, and
+    their rims are held on the surfaces of the others.
 
     Raises
     ------
@@ -65,16 +68,22 @@ def build(part, tolerance, sharp_angle, most_faces=None, enough=np.inf) -> Fitte
     centre = np.average(vertices, axis=0, weights=areas)
     size = np.sqrt(12.0 * np.average(((vertices - centre) ** 2).sum(axis=1), weights=areas))
     vertices, within = (vertices - centre) / size, tolerance / size
-    target = Target(vertices, triangles, part.volume / size**3)
-    clean = without_slivers(vertices, triangles, sharp_angle, _SLIVER * within)
+    label, surfaces = regions or (np.full(len(triangles), -1), [])
+    target = own = Target(vertices, triangles, part.volume / size**3)
+    if regions:
+        own, clean = Target(vertices, triangles[label < 0], 0.0), (vertices, triangles)
+    else:
+        clean = without_slivers(vertices, triangles, sharp_angle, _SLIVER * within)
     fine, parts = refine(*clean, _LONGEST, _FEWEST)
     if len(parts) > 2 * len(clean[1]):  # most come from long triangles that were halved
         parts = without_needles(fine, parts, sharp_angle, _SLIVER * within)
     coarse = bool(np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within)
-    mesh = surfels(fine, parts, sharp_angle, _BESIDE * within, rough=not coarse)
-    samples = np.concatenate([vertices, triangle_samples(vertices, triangles, 0.02)])
-    most_faces = most_faces or max(MOST_FACES, len(triangles))
-    best = _refined(mesh, target, samples, within, (most_faces, enough), part.meets)
+    nearest = target.tree.nearest(fine[parts].mean(axis=1), unit(face_normals(fine, parts)))[1]
+    regions = label[nearest], [one.scaled(1.0 / size, -centre / size) for one in surfaces]
+    mesh = surfels(fine, parts, sharp_angle, _BESIDE * within, not coarse, regions[0])
+    samples = vertices[np.unique(own.triangles)], triangle_samples(vertices, own.triangles, 0.02)
+    limits = most_faces or max(MOST_FACES, len(triangles)), enough
+    best = _refined(mesh, (target, own), np.concatenate(samples), within, limits, part.meets, regions)
     if best is None:
         return None
     for_size = {name: getattr(best, name) * size + centre for name in ("mesh_points", "surface_points")}
@@ -83,9 +92,10 @@ def build(part, tolerance, sharp_angle, most_faces=None, enough=np.inf) -> Fitte
     return replace(best, patches=patches, **for_size)
 
 
-def _refined(mesh, target, samples, within, limits, meets):
+def _refined(mesh, targets, samples, within, limits, meets, regions):
     """The first fit that keeps the tolerance, or the best one, on finer and finer layouts."""
-    most_faces, enough = limits
+    (most_faces, enough), (target, own), (region, surfaces) = limits, targets, regions
+    free = np.unique(mesh.triangles[region < 0])
     weight, best, before, faces, vain = np.ones(len(mesh.vertices)), None, None, 0, 0
     kept, cost = False, COST**2 * within / 0.005
     for attempt in count():
@@ -102,11 +112,15 @@ def _refined(mesh, target, samples, within, limits, meets):
             )
         if faces >= TRIED * enough or (attempt and (faces > MOST_FACES or len(layout.corners) > most_faces)):
             break
-        nodes = even_grid(mesh, layout, chart)
+        nodes, middle = even_grid(mesh, layout, chart)
         if not np.array_equal(nodes, before):  # or the fit would be the same
-            fitted = measure(fit(target, layout, nodes, SAFETY * within), target, mesh.vertices, samples)
+            owner = region[middle]
+            rims = _rims(layout, owner)
+            on = [(edge, surfaces[k]) for edge, k in rims.items()]
+            patches = fit(target, layout, nodes, SAFETY * within, on).some(owner < 0)
+            fitted = replace(measure(patches, own, mesh.vertices[free], samples), rims=rims)
             if best is None or _score(fitted, within) < _score(best, within):
-                fitted = _closely(fitted, target)
+                fitted = _closely(fitted, own)
                 if not meets:
                     # finely where nothing else is wrong: bad patches need many triangles
                     sound = _score(fitted, within) == (0, SAFETY)
@@ -122,10 +136,17 @@ def _refined(mesh, target, samples, within, limits, meets):
         aim = SAFETY * min(within, fitted.bad.max())  # only the second look may miss
         ratio = np.maximum(fitted.bad / aim, np.where(fitted.faulty, 4.0, 0.0))
         raised = np.where(ratio > 1.0, RAISE * ratio, 1.0)
-        weight = weight * raised[fitted.face_of_vertex]
+        weight[free] *= raised[fitted.face_of_vertex]
         if vain > 1:  # smaller faces where it misses did not help twice: smaller ones everywhere
             cost /= 2.0
     return best if kept or faces < enough else None
+
+
+def _rims(layout, owner):
+    """The exact owner of every edge of a layout between a face of that and one whose ``owner`` is -1."""
+    sides = owner[layout.sides // 4]
+    edges = np.flatnonzero((sides.min(axis=1) < 0) & (sides.max(axis=1) >= 0))
+    return dict(zip(edges.tolist(), sides[edges].max(axis=1).tolist(), strict=True))
 
 
 def _small_layout(mesh, weight, cost, most_faces, left):

@@ -17,6 +17,7 @@ from nurbs_lab.mesh.solid.quadrics import ROUND, SAME, circumcentres, fit, impro
 _ON = 1e-5  # of the size: vertices so near to a surface lie on it
 _TURN = np.cos(np.radians(40.0))  # between a facet and its surface
 _IN_VAIN = 25  # seeds in a row that give no surface, after which the rest has none
+_TOUCHING = 1e-4  # radians between normals of surfaces that touch
 _FEWEST = 4  # facets of a round surface, or of free form: so many connected ones that are left over
 
 
@@ -31,7 +32,8 @@ class Facets:
     areas: np.ndarray
     rounds: np.ndarray  # centres of the circles around the facets
     sides: np.ndarray  # pairs of neighbouring facets, for each edge of the mesh one in either direction
-    smooth: np.ndarray  # which of these turn by less than the sharp angle
+    ends: np.ndarray  # the vertex where each of these edges begins in that direction
+    smooth: np.ndarray  # which of them turn by less than the sharp angle
 
     def vertices(self, facets):
         """Distinct vertices of some facets."""
@@ -72,7 +74,8 @@ def facets_of(points, triangles, sharp_angle, apart=False) -> Facets:
     turn = np.einsum("ij,ij->i", *normals[sides[kept]].swapaxes(0, 1))
     return Facets(
         points, triangles, of, normals, np.linalg.norm(vectors, axis=1) / 2,
-        circumcentres(corners[largest])[0], sides[kept], turn > np.cos(np.radians(sharp_angle)),
+        circumcentres(corners[largest])[0], sides[kept], triangles.ravel()[kept],
+        turn > np.cos(np.radians(sharp_angle)),
     )  # fmt: skip
 
 
@@ -87,28 +90,54 @@ def _coplanar(corners, normals, opposite, apart):
     return components(count, f[flat], g[flat])[1]
 
 
-def regions_of(points, triangles, sharp_angle):
+def regions_of(points, triangles, sharp_angle, least=None):
     """Number of the region of every triangle, surfaces of the regions, and what made them equal changed.
 
-    Returns None if some of the mesh is free form.
+    Where some of the mesh is free form, returns None; or, if a ``least`` area is given, numbers of -1 there.
+    To free form belong smaller regions, and those that meet it, or one another, smoothly but do not touch.
+    None if nothing else is left.
     """
     facets = facets_of(points, triangles, sharp_angle)
-    links, label, found = _search(facets)
+    links, label, found = _search(facets, least is not None)
     if (apart := _of_several(facets, found, label)).any():
         facets = facets_of(points, triangles, sharp_angle, apart)
-        links, label, found = _search(facets)
+        links, label, found = _search(facets, least is not None)
     _absorb(facets, found, label)
     left = np.flatnonzero(label < 0)
     group = connected_components(links[left][:, left], False)[1]
-    if (np.bincount(group) >= _FEWEST).any():
+    free = (np.bincount(group) >= _FEWEST)[group]
+    if free.any() and least is None:
         return None
+    free |= free.any() & (np.bincount(facets.of)[left] == 1)  # any triangle has a plane
+    left = left[~free]
+    label[left] = len(found) + np.arange(len(left))
     for f in left:
-        plane = fit("plane", facets.points[facets.vertices(f)], None, facets.normals[[f]], facets.areas[[f]])
-        label[f] = len(found)
-        found.append(plane)
-    kept, label, counts = np.unique(label[facets.of], return_inverse=True, return_counts=True)
-    order = np.argsort(-counts, kind="stable")
-    return np.argsort(order)[label], *made_equal([found[k] for k in kept[order]])
+        points = facets.points[facets.vertices(f)]
+        found.append(fit("plane", points, None, facets.normals[[f]], facets.areas[[f]]))
+    if least is not None:
+        label[np.bincount(label + 1, facets.areas)[label + 1] < least] = -1
+        _join_free(facets, found, label)
+    label = label[facets.of]
+    kept, counts = np.unique(label[label >= 0], return_counts=True)
+    if not len(kept):
+        return None
+    order, number = kept[np.argsort(-counts, kind="stable")], np.full(len(found) + 1, -1)
+    number[order] = np.arange(len(order))
+    return number[label], *made_equal([found[k] for k in order])
+
+
+def _join_free(facets, found, label):
+    """Regions become free form that meet other regions smoothly where their surfaces do not touch."""
+    smooth = facets.smooth & (np.diff(label[facets.sides], axis=1)[:, 0] != 0)
+    sides, points = label[facets.sides[smooth]].T, facets.points[facets.ends[smooth]]
+    normals = np.zeros((2, len(points), 3))
+    for side, beside in zip(sides, normals, strict=True):
+        for k in np.unique(side[side >= 0]):
+            beside[side == k] = found[k].sign * found[k].distances_and_normals(points[side == k])[1]
+    off = np.linalg.norm(normals[0] - normals[1], axis=1) > _TOUCHING
+    while len(joined := np.setdiff1d(sides[:, off | (sides < 0).any(axis=0)], [-1])):
+        for numbers in (label, sides):
+            numbers[np.isin(numbers, joined)] = -1
 
 
 def _of_several(facets, found, label):
@@ -117,16 +146,21 @@ def _of_several(facets, found, label):
     return ((np.bincount(facets.of, ~on) == 0) & (label < 0))[facets.of]
 
 
-def _search(facets):
-    """Links across smooth sides; round surfaces through facets, none of which overlap, and their numbers."""
-    smooth, count, vain = facets.sides[facets.smooth], len(facets.areas), 0
+def _search(facets, partly):
+    """Links across smooth sides; round surfaces through facets, none of which overlap, and their numbers.
+
+    Where one search is in vain, ``partly`` goes on with facets that are not connected to those.
+    """
+    smooth, count = facets.sides[facets.smooth], len(facets.areas)
     links = csr_matrix((np.ones(len(smooth)), tuple(smooth.T)), (count, count))
-    label, found = np.full(count, -1), []
+    label, found, vain = np.full(count, -1), [], np.zeros(count)
+    part = connected_components(links, False)[1] * partly
     for seed in np.random.default_rng(0).permutation(len(label)):
-        if label[seed] >= 0 or links.indptr[seed] == links.indptr[seed + 1] or vain > _IN_VAIN:
+        if label[seed] >= 0 or links.indptr[seed] == links.indptr[seed + 1] or vain[part[seed]] > _IN_VAIN:
             continue
         best = _surface_at(facets, links, label < 0, seed)
-        vain = max(0.0, vain + 1.0 - 0.5 * len(best[1])) if best else vain + 1.0
+        more = 1.0 - 0.5 * len(best[1]) if best else 1.0
+        vain[part[seed]] = max(0.0, vain[part[seed]] + more)
         if best:
             label[best[1]] = len(found)
             found.append(best[0])

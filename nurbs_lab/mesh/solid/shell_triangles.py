@@ -38,7 +38,7 @@ def _divided(patches, tolerance):
     """Points, triangles, and the patch of each triangle."""
     cells = np.ceil(_cells(patches) / np.sqrt(tolerance)).clip(1)
     grids, count = number_grids(patches.layout, cells.astype(np.int64))
-    points, triangles, owners = np.empty((count, 3)), [], []
+    points, triangles, owners = np.zeros((count, 3)), [], []  # of faces left out, none are used
     for faces, net in grids:
         u, v = (basis_at(np.linspace(0.0, 1.0, n)) for n in net.shape[1:])
         points[net] = np.einsum("ai,bj,fijx->fabx", u, v, patches.nets[faces], optimize=True)

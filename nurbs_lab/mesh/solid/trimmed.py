@@ -1,6 +1,6 @@
-"""Closed shells of exact trimmed faces, for surfaces of a mesh that lie on planes and round surfaces."""
+"""Closed shells of exact trimmed faces, where a mesh lies on planes and round surfaces, and of patches."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import trimesh
@@ -9,17 +9,19 @@ from nurbs_lab.common.checks import as_positive, extent
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.distance import triangle_samples, triangle_tree
 from nurbs_lab.mesh.solid.faces import Face
+from nurbs_lab.mesh.solid.refine import build
 from nurbs_lab.mesh.solid.regions import regions_of
 from nurbs_lab.nurbs import NurbsSurface
 
 _FINE = 0.05  # of the tolerance: triangles so near to the faces stand for them when distances are measured
 _FINEST = 2e-6  # of the square root of the area: finer triangles of round faces take many minutes
+_WIDE = 4.0  # tolerances: exact faces beside free form are as large as such a square
 SHARP = 1.0  # degrees: faces of CAD parts that meet at a smaller angle were made to touch
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TrimmedShell(Value):
-    """A closed surface of exact faces, which are bounded by curves.
+    """A closed surface of exact faces, and of patches beside them, which are bounded by curves.
 
     Attributes
     ----------
@@ -139,10 +141,11 @@ class Measured:
     to_mesh: np.ndarray
 
 
-def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
+def exact_shell(part, tolerance, sharp_angle, partly=False) -> Measured | None:
     """Exact faces for a closed surface of a mesh; None if it has others, or if those miss the tolerance.
 
-    None too where OpenCASCADE is not there, or does not find the shell valid.
+    If ``partly``, it has others, to which patches are fitted that end on the exact faces. None too where
+    OpenCASCADE is not there, or does not find the shell valid.
     """
     try:
         from nurbs_lab.mesh.solid import exact
@@ -154,14 +157,22 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     size = extent(points)
     unit = unit_of(size)
     even = (points - centre) / size
-    if not (regions := regions_of(even, triangles, sharp_angle)):
+    least = (_WIDE * tolerance / size) ** 2 if partly else None
+    regions, rest = regions_of(even, triangles, sharp_angle, least), None
+    if regions is None or (regions[0].min() < 0) != partly:
         return None
     label, found, changes = regions
+    if partly:
+        mm = [one.scaled(size, centre) for one in found]
+        fitted = build(part, tolerance, sharp_angle, regions=(label, mm))
+        if fitted.worst > tolerance or fitted.faulty.any():
+            return None
+        rest = replace(fitted.patches, control=fitted.patches.control / unit), fitted.rims
     samples = np.concatenate([points, triangle_samples(points, triangles, np.inf)])
     # fine triangles lie between the middles of edges and of triangles, which are last, and the faces
     edges = np.nonzero(triangles < np.roll(triangles, -1, axis=1))[0]
     owners, middles = np.concatenate([label[edges], label]), samples[len(points) :]
-    off = np.empty(len(middles))
+    off = np.zeros(len(middles))
     for k, one in enumerate(found):
         mine = owners == k
         off[mine] = size * np.abs(one.distances((middles[mine] - centre) / size))
@@ -169,7 +180,7 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
         return None
     equal = int((changes > 0).sum()), changes.max() * size
     try:
-        shape = exact.shell_of(even, triangles, label, found, (size / unit, centre / unit))
+        shape = exact.shell_of(even, triangles, label, found, (size / unit, centre / unit), rest)
         if shape is None:
             return None
         shell = TrimmedShell.of(shape, unit, part.body, part.is_void, *equal)

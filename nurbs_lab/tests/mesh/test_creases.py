@@ -32,7 +32,9 @@ def test_a_coarse_round_mesh_is_not_sharp_but_edges_of_prisms_are():
     for mesh, edges in ((coarse, 0), (prism, 4 * 96), (chamfered, 3 * 8)):
         vertices, triangles = np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64)
         assert np.degrees(mesh.face_adjacency_angles).max() > 44.0
-        assert surfels(vertices, triangles, 30.0, 0.02).sharp.sum() == 2 * edges
+        assert (
+            surfels(vertices, triangles, 30.0, 0.02, False, np.zeros(len(triangles))).sharp.sum() == 2 * edges
+        )
 
 
 def test_slivers_make_no_sharp_edges():
@@ -76,7 +78,7 @@ def test_short_jagged_creases_of_a_smooth_part_are_noise():
     for mesh, edges in ((balls, 0), (shapes.pillar(), 2 * 360)):
         vertices, triangles = np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64)
         reach = 2.0 * 0.005 * np.ptp(vertices, axis=0).max()
-        found = surfels(vertices, triangles, 30.0, reach, rough=True)
+        found = surfels(vertices, triangles, 30.0, reach, True, np.zeros(len(triangles)))
         assert found.sharp.sum() == 2 * edges
 
 

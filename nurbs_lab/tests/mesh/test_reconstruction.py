@@ -320,10 +320,10 @@ def test_a_small_limit_gives_a_coarser_solid_that_says_so_or_a_refusal():
 def test_no_layout_is_fitted_twice(monkeypatch):
     seen, fit = [], refine.fit
 
-    def watched(target, layout, nodes, within):
+    def watched(target, layout, nodes, *others):
         assert not any(np.array_equal(nodes, one) for one in seen)
         seen.append(nodes)
-        return fit(target, layout, nodes, within)
+        return fit(target, layout, nodes, *others)
 
     monkeypatch.setattr(refine, "fit", watched)
     ball = trimesh.creation.icosphere(1)  # of whose triangles none is collapsed
