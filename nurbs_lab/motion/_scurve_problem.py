@@ -13,7 +13,7 @@ FALL = 0.2
 _NEAR = 0.3
 #: From rest to the speeds of the ends: what growing by a part counts beside the room of a cell.
 _PULLS = 10.0 ** np.arange(5)
-#: Stages before that, in which the slowed motion becomes fast.
+#: Stages at most in which a slowed motion becomes fast, before its ends do.
 _STAGES = 3
 #: Fields of a `Block` that hold what the limits allow.
 LIMITS = "caps", "causes", "along", "across", "steepest", "kappas", "turns", "jerk"
@@ -69,9 +69,9 @@ class Block:
 
     def squares(self, middle):
         """v² and its slope at the nodes."""
-        squares, slopes = np.empty(len(self.nodes)), np.empty(len(self.nodes))
-        _scurve_kernels.nodal(np.diff(self.nodes), middle, self.ends, squares, slopes)
-        return squares, slopes
+        found = np.empty((2, len(self.nodes)))
+        _scurve_kernels.nodal(np.diff(self.nodes), middle, self.ends, *found)
+        return found
 
     def time(self, middle):
         """Duration between the first node and the last."""
@@ -80,8 +80,8 @@ class Block:
 
     def is_feasible(self, middle):
         """Whether every limit is kept with room to spare."""
-        squares, slopes = np.empty(len(self.nodes)), np.empty(len(self.nodes))
-        return np.isfinite(_scurve_kernels.potential(self.problem, middle, 0.0, squares, slopes)[0])
+        squares = np.empty((2, len(self.nodes)))
+        return np.isfinite(_scurve_kernels.potential(self.problem, middle, 0.0, *squares)[0])
 
     @property
     def problem(self):
@@ -116,27 +116,27 @@ class Block:
     def make_feasible(self, middle):
         """Change a motion, in place, until it keeps every limit; the first weight of its solution, or 0.
 
-        Slowed by some factor it does. It is then made as fast as these slow ends allow, since no way on leads
-        from a motion that nearly rests in between. At last the speeds of the ends grow, and the whole motion
-        with them, by a barrier method on the logarithm of the part of v² that is reached. The solution
-        begins one stage before the weight of that, for `_for_phases`; 0 means that no motion was found.
+        Slowed by some factor it does. It is then made faster in stages, as no way on leads from a motion that
+        nearly rests in between, and none from one very near its limits. After each the speeds of the ends
+        grow, if they can, and the whole motion with them, by a barrier method on the logarithm of the part
+        of v² that is reached. 0 means that no motion was found.
         """
-        factor = self.infeasibility(middle)
-        block, slowed, part = self._slower(factor), middle / factor**2, factor**-2.0
+        factor, near = self.infeasibility(middle), _NEAR * len(middle)
         if not 1.0 < factor < np.inf:
             return self._balanced_weight(middle) if factor == 1.0 else 0.0
+        block, slowed = self._slower(factor), middle / factor**2
         for stage in range(_STAGES):
             weight = FALL**stage * block._balanced_weight(slowed)
-            block.centre(slowed, weight, _NEAR * len(middle), STEPS)
-        for pull in len(middle) * _PULLS:
-            growth, weight = (part, pull), FALL**_STAGES * block._balanced_weight(slowed)
-            stage = block.problem, slowed, weight, _NEAR * len(middle), STEPS, growth
-            part, _ = _scurve_kernels.centre(*stage)
-            if part == 1.0:
-                break
-        middle[1:-1] = slowed[1:-1]
-        kept = part == 1.0 and self.is_feasible(middle)
-        return FALL ** (_STAGES - 1) * self._balanced_weight(middle) if kept else 0.0
+            block.centre(slowed, weight, near, STEPS)
+            grown, problem, part = slowed.copy(), self._slower(factor).problem, factor**-2.0
+            for pull in len(middle) * _PULLS:
+                if part < 1.0:
+                    task = problem, grown, FALL * weight, near, STEPS, (part, pull)
+                    part, _ = _scurve_kernels.centre(*task)
+            middle[1:-1] = grown[1:-1]
+            if part == 1.0 and self.is_feasible(middle):
+                return FALL**stage * self._balanced_weight(middle)
+        return 0.0
 
     def solve(self, middle, weight, gap):
         """Least time from a motion that keeps the limits, in place; the weight on their room that remains.
@@ -217,12 +217,11 @@ class Block:
         """The part of every limit that is taken, cell by cell."""
         squares, slopes = self.squares(middle)
         by_axis = (self.along * slopes[:, None] + self.across * squares[:, None]).max(axis=1, initial=0.0)
+        vector = np.hypot(0.5 * slopes / self.steepest, self.kappas * squares)
         second = np.diff(slopes) / np.diff(self.nodes)
         parts = {
             "speed": middle / self.caps,
-            "acceleration": np.maximum(
-                *_sides(np.hypot(0.5 * slopes / self.steepest, self.kappas * squares))
-            ),
+            "acceleration": np.maximum(*_sides(vector)),
             "axis_acceleration": np.maximum(*_sides(by_axis)),
             "jerk": np.abs(second) * np.sqrt(np.maximum(*_sides(squares))) / (2.0 * self.jerk),
         }
