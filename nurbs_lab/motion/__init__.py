@@ -76,8 +76,8 @@ _TOLERATED (plan), of a speed           1e-5     1e-7: windows take up to 5 % lo
 _ROUNDS (plan), motions                 16       4: a spline of sharp turns is refused
 STEPS (_scurve_problem)                 1000     60: a spline at 1e4 mm/s takes 1.5 % longer
 _PART (scurve), of accelerations        0.5      0.25: 1.2 x the Newton steps on polylines
-_STAGES (_scurve_problem), weights      3        0: 1 more of 18 ends that move is refused; 6: 4 x the time
 _PULLS (_scurve_problem), of a cell     1 to 1e4 up to 1e2: ends are refused from 0.997 of it on, not 0.9997
+_STAGES (_scurve_problem), weights      3        1: a sine of 300 facets is refused; 0: a circle of 4,000 too
 _SHARPEST (scan), of the length         1e-12    0: 12 of 24 near-cusps below 1e-12 mm are refused, not 5
 _LEAP (trace), of a step                10       4: 'adams' is refused at spans 3.6, not 8.5 times as short
 _NEARER (_verify), rounds               4        1: 3 of 10 splines 5e-5 to 5e-4 beyond a jerk of axes
@@ -118,6 +118,7 @@ a slow speed in reach of a short path (scurve)    1 refused
 limits for phases beside those for ends (problem)  none; 400 corners with jerks of axes 1.9 times the time
 stretches of the first motion in place (scurve)   none; ends that move 1.7 times the time of planning
 windows that begin or end at corners (corners)    none; 1 of 40 rows of tiny steps 7 % beyond its limit
+corners seen as curvatures (scan.turned)          none; facets up to 22 % beyond their jerk of axes
 half the jerk of axes beside corners (scurve)     8 shorter by up to 1 %, one 3 % beyond its limit
 cells on the way to corners (scurve)              1, by a period; one 2.9 % beyond its jerk of axes
 corners left out of the trapezoid (scurve)        8 with jerks of axes, by up to 12 %

@@ -283,6 +283,15 @@ def _held(speed, following, before, used, held, share, fastest):
 
 
 @kernel
+def near_corners(lengths, zones, held, parts):
+    """Fill the least speed and the largest part at lengths inside zones."""
+    for start, stop, most, part in zones:
+        near = 1e-9 * (stop - start)
+        for k in range(np.searchsorted(lengths, start + near), np.searchsorted(lengths, stop - near)):
+            held[k], parts[k] = min(held[k], most), max(parts[k], part)
+
+
+@kernel
 def speed_limits(tangents, curvatures, along, period, axis_speed, axis_acceleration, out):
     """Fill ``out`` with the largest speed by each limit, in the order of `limits.NAMES`, and the curvature.
 

@@ -6,9 +6,9 @@ how far it is to the next. The *control* is the jerk or, without a limit of jerk
 
 A *task* is ``(feed, curve, nodes, hints, limits, step, soft)``: the feed table of the plan; spans and panels;
 places equally far apart in the time of the plan: how many a second, which are filled (as they are needed),
-tangents, curvature vectors and their rates, and corners; the panel and the span of the last one filled; the
-limits along the path, of the vector and of axes, first of acceleration, then of jerk; the time of a step; and
-whether there is a limit of jerk.
+tangents, curvature vectors, their rates and what corners add to curvatures, and corners; the panel and the
+span of the last one filled; the limits along the path, of the vector and of axes, first of acceleration, then
+of jerk; the time of a step; and whether there is a limit of jerk.
 """
 
 from math import sqrt
@@ -34,7 +34,7 @@ def _fill(task, node, segment):
     there = length_at(feed, node / rate, find_span(feed[0], node / rate, segment))
     u, (hints[0], hints[1]), _ = parameter_at(spans, panels, (hints[0], hints[1]), there)
     hints[1], one = find_span(spans[0], u, hints[1]), geometry[node]
-    path_derivatives(spans, hints[1:2], np.full(1, u), one[:1], one[1:2], one[2:])
+    path_derivatives(spans, hints[1:2], np.full(1, u), one[:1], one[1:2], one[2:3])
     filled[node] = True
 
 
@@ -79,6 +79,8 @@ def _allowed(task, spot, v, a, jerk):
         t = (1.0 - part) * geometry[k, 0, i] + part * geometry[k + 1, 0, i]
         n = (1.0 - part) * geometry[k, 1, i] + part * geometry[k + 1, 1, i]
         m = (1.0 - part) * geometry[k, 2, i] + part * geometry[k + 1, 2, i]
+        if jerk:  # which sees corners that share a period as a curvature
+            n += (1.0 - part) * geometry[k, 3, i] + part * geometry[k + 1, 3, i]
         across += (turn * n) ** 2
         most = max(of_axes[i] * room, abs(own * t + turn_of_own * n + twist * m))
         one, two = (-most - turn * n - twist * m) / t, (most - turn * n - twist * m) / t

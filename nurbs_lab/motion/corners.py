@@ -57,8 +57,6 @@ def slowed_at_corners(path, limits):
     rows = [np.append(one, other[free]) for one, other in zip(zones, windows, strict=True)]
     order = np.argsort(rows[0], kind="stable")
     at, held, names, least, reach_s = (row[order] for row in rows)
-    if not len(at):
-        return path
     reach = np.minimum(held, least) * reach_s
     parts = np.minimum(least / held, 1.0)
     zones = np.column_stack([np.maximum(at - reach, 0.0), np.minimum(at + reach, path.length), held, parts])
@@ -67,10 +65,11 @@ def slowed_at_corners(path, limits):
     apart = np.where(reach > 0.0, _APART * path.length, 4.0 * np.spacing(path.length))  # stops are points
     first = np.searchsorted(path.lengths, zones[:, 0] - apart)
     beyond = np.searchsorted(path.lengths, zones[:, 1] + apart)
-    speeds, causes = np.full(len(path.u), np.inf), path.causes.copy()
+    slowest = np.full(len(path.u), -1)
     for k in np.argsort(-held, kind="stable"):  # the slowest is written last
-        speeds[first[k] : beyond[k]], causes[first[k] : beyond[k]] = held[k], names[k]
-    causes = np.where(speeds < path.speeds, causes, path.causes)
+        slowest[first[k] : beyond[k]] = k
+    speeds = np.append(held, np.inf)[slowest]
+    causes = np.where(speeds < path.speeds, np.append(names, "")[slowest], path.causes)
     return replace(path, speeds=np.minimum(speeds, path.speeds), causes=causes, zones=zones)
 
 
@@ -122,8 +121,6 @@ def _with_samples(path, limits, at, reach):
     near = np.append(np.diff(new) < least, False)
     kept = (new > 0.0) & (new < path.length) & (apart > least) & ~near
     new, after = new[kept], after[kept]
-    if not len(new):
-        return path
     u, tangents, curvatures, _ = path.geometry(new, new)
     curve = np.clip(np.searchsorted(path.origins, new, side="right") - 1, 0, None)
     rows = sampled(limits, curve, u, new, tangents, curvatures)

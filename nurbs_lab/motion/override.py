@@ -160,12 +160,14 @@ def _task(feed):
     track = prepare(feed.curve or NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (1, 0)]))
     count, dim = int(np.ceil(feed.duration / step)) + 2, track.curve.dim
     limits, free, corners = limits.in_dimensions(dim), np.full(dim, np.inf), np.zeros((count, 2))
-    zones = scan(track, limits).zones
-    near = (feed.time_at(zones[:, :2]) / step + [0.0, 2.0]).astype(int)
-    taken = np.column_stack([0.5 * zones[:, 3], 0.5 / (zones[:, 3] * zones[:, 2] ** 2)])
+    path, t, geometry = scan(track, limits), step * np.arange(count), np.zeros((count, 4, dim))
+    geometry[:, 3] = path.turned(feed.displacement(t), feed.period_s * feed.speed(t))
+    near = (feed.time_at(path.zones[:, :2]) / step + [0.0, 2.0]).astype(int)
+    held, parts = path.zones[:, 2:].T
+    taken = np.column_stack([0.5 * parts, 0.5 / (parts * held**2)])
     for (first, last), part in zip(near, taken, strict=True):
         corners[first:last] = np.maximum(corners[first:last], part)
-    nodes = 1.0 / step, np.zeros(count, dtype=bool), np.zeros((count, 3, dim)), corners
+    nodes = 1.0 / step, np.zeros(count, dtype=bool), geometry, corners
     axes = (free if one is None else np.array(one) for one in (limits.axis_acceleration, limits.axis_jerk))
     vector = np.inf if limits.tangential_only else limits.acceleration
     jerk = jerk_of(feed) if feed.curve is None or limits.jerk is not None else np.inf

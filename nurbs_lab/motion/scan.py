@@ -1,6 +1,6 @@
 """The speed that the limits allow along a path of one curve or several, sampled as finely as it needs."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -70,7 +70,7 @@ class Scan:
     parts: np.ndarray
     tops: np.ndarray
     kinks: np.ndarray
-    zones: np.ndarray
+    zones: np.ndarray = field(default_factory=lambda: np.empty((0, 4)))
 
     @property
     def length(self):
@@ -106,14 +106,8 @@ class Scan:
 
     def near_corners(self, lengths):
         """At increasing lengths: the least speed held near a corner, and the largest part of it in use."""
-        start, stop = self.zones[:, :2].T
-        near = 1e-9 * (stop - start)
-        first = np.searchsorted(lengths, start + near)
-        count = np.maximum(np.searchsorted(lengths, stop - near) - first, 0)
-        index = np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum())
         held, parts = np.full(len(lengths), np.inf), np.zeros(len(lengths))
-        np.minimum.at(held, index, np.repeat(self.zones[:, 2], count))
-        np.maximum.at(parts, index, np.repeat(self.zones[:, 3], count))
+        _kernels.near_corners(lengths, self.zones, held, parts)
         return held, parts
 
     def shares(self, lengths, limits, tangents, curvatures):
@@ -134,6 +128,20 @@ class Scan:
         most = np.minimum(np.where(near, parts, 1.0), 2.0 / (1.0 + np.sqrt(1.0 + 4.0 * across * square)))
         rest = 1.0 - 0.5 * most
         return near * [along / rest, (across + 0.5 / (most * square)) / rest]
+
+    def turned(self, lengths, ways):
+        """Curvature vectors that periods see of corners, by their ways (none at ways of 0).
+
+        The third difference of positions has ``3 v a`` times it, as of the curvature.
+        """
+        at, steps = self.kinks[:, 0], self.kinks[:, 1:]
+        total = np.vstack([np.zeros(steps.shape[1]), np.cumsum(steps, axis=0)])
+
+        def within(reach):
+            first, beyond = (np.searchsorted(at, lengths + side * reach * ways) for side in (-1.0, 1.0))
+            return total[beyond] - total[first]
+
+        return (0.375 * within(1.5) - 0.125 * within(0.5)) / np.where(ways > 0.0, ways, 1.0)[:, None]
 
     def geometry(self, lengths, inside):
         """Parameters, unit tangents, curvature vectors and their rates at lengths that do not fall.
@@ -181,16 +189,13 @@ def scan(track, limits, finer=1.0):
     tangents, curvatures, _ = path_derivatives(track, span, u)
     first = np.zeros(len(u), dtype=np.int64)
     rows = sampled(limits, first, u, arc_lengths(track, u), tangents, curvatures)
-    path = Scan(
-        (track,), np.zeros(1), **rows, kinks=np.empty((0, 1 + track.curve.dim)), zones=np.empty((0, 4))
-    )
+    path = Scan((track,), np.zeros(1), **rows, kinks=np.empty((0, 1 + track.curve.dim)))
     ends = 1 + np.flatnonzero(span[1:] != span[:-1])
     return _merged(path, ends, limits) if len(ends) else path
 
 
 def join(paths, limits):
-    """One path of several, each beginning where the one before ends."""
-    paths = list(paths)
+    """One path of a list of several, each beginning where the one before ends."""
     before = np.cumsum([0.0, *(path.length for path in paths[:-1])])
     curves = np.cumsum([0, *(len(path.tracks) for path in paths[:-1])])
     rows = {name: np.concatenate([getattr(path, name) for path in paths]) for name in ROWS}
@@ -201,7 +206,7 @@ def join(paths, limits):
     kinks = np.concatenate([path.kinks for path in paths])
     kinks[:, 0] += np.repeat(before, [len(path.kinks) for path in paths])
     tracks = tuple(track for path in paths for track in path.tracks)
-    path = Scan(tracks, origins, **rows, kinks=kinks, zones=np.empty((0, 4)))
+    path = Scan(tracks, origins, **rows, kinks=kinks)
     return _merged(path, np.cumsum(count)[:-1], limits)
 
 

@@ -108,9 +108,8 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     jumps = path.jumps if limits.axis_jerk is None else path.knots
     nodes = _nodes(path, limits, (places, slowest), short, (lengths, squares), fineness)
     nodes = _through(_through(nodes, np.unique(path.zones[:, :2])), jumps)
-    accelerations, signs = most * ramp_times, np.array([1.0, -1.0])
     ends = (speeds + 0.5 * most * ramp_times**2) ** 2
-    ends = np.ravel(np.column_stack([ends, 2.0 * signs * accelerations]))
+    ends = np.ravel(np.column_stack([ends, np.array([2.0, -2.0]) * most * ramp_times]))
     of_nodes = limits_on(path, limits, nodes, speeds, fineness.margin)
     of_ends = map(tuple, (speeds, ramp_times, most))
     block = Block(nodes, ends, *of_nodes, *of_ends, np.ones(len(nodes) - 1))
@@ -262,8 +261,10 @@ def limits_on(path, limits, nodes, speeds, margin):
     if limits.axis_jerk is not None:  # a corner takes up to one half of them
         near = 1.0 - np.minimum(2.0 * taken, 0.5)
         axis = ((1.0 - margin) * parts[:, 2] * near)[:, None] * limits.axis_jerk
-        turns = np.stack([[0.5 * t / axis, 1.5 * n / axis, m / axis] for t, n, m in sides])
-        turns = np.moveaxis(turns, (2, 3, 0, 1), (0, 1, 2, 3)).reshape(len(half), -1, 3)
+        ways, turns = np.where(taken > 0.0, np.sqrt(caps) * limits.period_s, 0.0), []
+        for at, (t, n, m) in zip((nodes[:-1], nodes[1:]), sides, strict=True):
+            turns.append([0.5 * t / axis, 1.5 * (n + path.turned(at, ways)) / axis, m / axis])
+        turns = np.moveaxis(np.stack(turns), (2, 3, 0, 1), (0, 1, 2, 3)).reshape(len(half), -1, 3)
     steepest, jerk = limits.acceleration * room, limits.jerk * parts[:, 3]
     return (caps * parts[:, 0]) ** 2, causes, along, across, steepest, kappas, turns, jerk
 

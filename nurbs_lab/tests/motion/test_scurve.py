@@ -89,8 +89,26 @@ def test_a_fast_start_into_a_bend_is_planned_while_the_jerk_allows_it():
 def test_ends_as_fast_as_a_circle_allows_are_planned():
     arc = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(10, 0), (10, 10), (0, 10)], [1, np.sqrt(0.5), 1])
     ends = {"start_speed": 99.99, "end_speed": 99.99}  # of 100 mm/s, as v² / r is the acceleration
-    feed = nl.plan_feed(arc, speed=200.0, acceleration=1000.0, jerk=2e4, period_s=1e-3, **ends)
-    assert feed.speed(0.0) == pytest.approx(99.99, rel=1e-9)
+    for jerk, period_s in ((2e4, 1e-3), (2e5, 1e-4)):
+        feed = nl.plan_feed(arc, speed=200.0, acceleration=1000.0, jerk=jerk, period_s=period_s, **ends)
+        assert feed.speed(0.0) == pytest.approx(99.99, rel=1e-9)
+
+
+@pytest.mark.parametrize("count", [300, 1500])
+def test_facets_keep_the_jerk_of_axes_while_the_speed_changes(count):
+    """Third differences of positions take 3 v a times the curvature that facets stand for."""
+    angles = np.linspace(0.0, 4.0 * np.pi, count + 1)
+    points = np.column_stack([6.0 * np.cos(angles), 6.0 * np.sin(angles), angles])
+    gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    feed = nl.plan_feed(
+        nl.interpolate_curve(points, 1), speed=1000.0, acceleration=1e6, axis_jerk=5e7, period_s=1e-3
+    )
+    for motion in (feed, nl.motion.apply_override(feed, [(0.3 * feed.duration, 0.3)])):
+        for phase in np.linspace(0.0, 1.0, 7):
+            t = 1e-3 * (np.arange(-3.0, np.ceil(1e3 * motion.duration) + 4.0) + phase)
+            s = motion.displacement(t)
+            places = np.column_stack([np.interp(s, gone, axis) for axis in points.T])
+            assert np.abs(np.diff(places, 3, axis=0)).max() <= 5e7 * 1e-9
 
 
 def test_an_end_speed_that_needs_an_acceleration_is_refused_with_a_limit_of_jerk():
