@@ -111,9 +111,8 @@ class Limits(Value):
         """A row each: the largest speed by each of `names`, infinite without a limit, and the curvature."""
         chord_error = np.inf if self.chord_error is None else self.chord_error
         table, along = np.empty((len(NAMES) + 1, len(curvatures))), (self.speed, chord_error, self.across[0])
-        axes = [
-            np.empty(0) if axis is None else axis.copy() for axis in (self.axis_speed, self.axis_acceleration)
-        ]
+        axes = self.axis_speed, self.axis_acceleration
+        axes = [np.empty(0) if axis is None else axis.copy() for axis in axes]
         _kernels.speed_limits(tangents, curvatures, along, self.period_s, *axes, table)
         return table
 

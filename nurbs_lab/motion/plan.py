@@ -183,15 +183,12 @@ def least_duration(path, limits, end):
 
 def refuse_ends(ends, path, limits):
     _, squares = fastest(path, limits, ends, path.caps)
-    for name, asked, square, at in (
-        ("start_speed", ends[0], squares[0], 0),
-        ("end_speed", ends[1], squares[-1], -1),
-    ):
+    for name, asked, at in zip(("start_speed", "end_speed"), ends, (0, -1), strict=True):
         level = np.inf
         if limits.soft and limits.axis_acceleration is not None:  # no acceleration along the path
             with np.errstate(divide="ignore"):
                 level = (limits.axis_acceleration / np.abs(path.curvatures[at])).min()
-        square = min(square, level)
+        square = min(squares[at], level)
         most = np.sqrt(square)
         if asked**2 > square * (1.0 + 2e-9):
             held = np.sqrt(path.caps[at]) <= most * (1.0 + 1e-9)

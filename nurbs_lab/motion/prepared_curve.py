@@ -89,7 +89,9 @@ def prepare(curve):
     if curve.control_points.shape[1] not in (2, 3):
         raise ValueError(f"curve must be 2-D or 3-D, got {curve.control_points.shape[1]}-D control points")
     ends, panels, length = _beside_slow_ends(curve), None, 0.0
-    spans = span_table(curve.degree, curve.knots, _rows(curve), ends)
+    points = curve.control_points - curve.control_points[0]  # differences keep their digits
+    rows = np.column_stack([points * curve.weights[:, None], curve.weights])
+    spans = span_table(curve.degree, curve.knots, rows, ends)
     if np.ptp(curve.control_points, axis=0).max() > 0.0:
         panels = span_kernels.panel_table(spans, ARC_TOLERANCE, ends[0], ends[-1])
         length = panels[1][-1]
@@ -118,9 +120,3 @@ def _beside_slow_ends(curve):
         order = 1 + (lengths(slopes) * span ** np.arange(curve.degree) >= least).argmax()
         parts.append(span * CUSP ** (1.0 / order) if order > 1 else 0.0)
     return np.concatenate([breaks[:1] + parts[0], breaks[1:-1], breaks[-1:] - parts[1]])
-
-
-def _rows(curve):
-    """Homogeneous control points from the first one on: motion needs differences, which keep their digits."""
-    points = curve.control_points - curve.control_points[0]
-    return np.column_stack([points * curve.weights[:, None], curve.weights])

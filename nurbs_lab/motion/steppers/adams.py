@@ -134,24 +134,21 @@ def _adams(spans, feed, period, u, counts, reading, started, correct):
     return step
 
 
-def _run(job, *, reading, started=4, correct=False):
+def _run(job, *, reading, started, correct):
     return steps_of(job, _adams, reading, job.last_step if started is None else started, correct)
 
 
-for _name, _summary, _slopes, _correct in (
-    ("adams", "Adams-Bashforth of order 4, exact |C'| (Eq. 15)", 1, False),
-    ("abm4", "Adams-Bashforth, one Adams-Moulton correction (Eq. 11, 12), order 4, exact |C'|", 2, True),
-):
-    _call = partial(_run, reading=SLOPES, correct=_correct)
-    register(Stepper(_name, _summary, (0, _slopes, 0, 0), _call, 4))
+_CORRECTED = "Adams-Bashforth, one Adams-Moulton correction (Eq. 11, 12), order 4, exact |C'|"
 _ROWS = (
-    ("adams-quotient", "Adams with quotients (Eq. 17), exact start", 1, EXACT, 4, 1),
-    ("paper", "the paper's scheme: Eq. (20), mended, four times, then Eq. (17)", 1, MENDED, 4, 1),
-    ("rk4-quotient", "Eq. (20) mended: both ends of the quotient moved", 7, MENDED, None, 1),
-    ("rk4-newer", "Eq. (20) with the newer end moved, as the denominator is printed", 4, NEWER, None, 1),
-    ("rk4-plus", "Eq. (20) to the letter, with plus signs: unstable", 4, PLUS, None, None),
-    ("rk4-minus", "Eq. (20) with minus signs, K4 by analogy: 0/0 at steady speed", 4, MINUS, None, None),
-)  # fmt: skip
-for _name, _summary, _points, _reading, _started, _order in _ROWS:
-    _call = partial(_run, reading=_reading, started=_started)
-    register(Stepper(_name, _summary, (_points, 0, 0, 0), _call, _order))
+    ("adams", "Adams-Bashforth of order 4, exact |C'| (Eq. 15)", (0, 1), SLOPES, 4, 4),
+    ("abm4", _CORRECTED, (0, 2), SLOPES, 4, 4),
+    ("adams-quotient", "Adams with quotients (Eq. 17), exact start", (1, 0), EXACT, 4, 1),
+    ("paper", "the paper's scheme: Eq. (20), mended, four times, then Eq. (17)", (1, 0), MENDED, 4, 1),
+    ("rk4-quotient", "Eq. (20) mended: both ends of the quotient moved", (7, 0), MENDED, None, 1),
+    ("rk4-newer", "Eq. (20) with the newer end moved, as the denominator is printed", (4, 0), NEWER, None, 1),
+    ("rk4-plus", "Eq. (20) to the letter, with plus signs: unstable", (4, 0), PLUS, None, None),
+    ("rk4-minus", "Eq. (20) with minus signs, K4 by analogy: 0/0 at steady speed", (4, 0), MINUS, None, None),
+)
+for _name, _summary, _evaluations, _reading, _started, _order in _ROWS:
+    _call = partial(_run, reading=_reading, started=_started, correct=_name == "abm4")
+    register(Stepper(_name, _summary, (*_evaluations, 0, 0), _call, _order))

@@ -100,5 +100,4 @@ _ROWS = (
     ("rk4", "Runge-Kutta of order 4 (Eq. 19), exact |C'|", (0, 4, 0, 0), RUNGE_KUTTA, 4),
 )
 for _name, _summary, _evaluations, _family, _order in _ROWS:
-    _call = partial(_run, family=_family, order=_order)
-    register(Stepper(_name, _summary, _evaluations, _call, _order))
+    register(Stepper(_name, _summary, _evaluations, partial(_run, family=_family, order=_order), _order))
