@@ -56,9 +56,8 @@ def _along(limits, profile):
         level = np.clip(np.nan_to_num(-a / j), 0.0, h)
     fastest = np.max([v, v + h * (a + 0.5 * h * j), v + level * (a + 0.5 * level * j)], axis=0)
     stop = np.append(s[1:], profile.length)
-    rows = [("speed", fastest / limits.speed)]
     steepest = np.maximum(np.abs(a), np.abs(a + j * h))
-    rows.append(("acceleration", np.sqrt(steepest / limits.acceleration)))
+    rows = [("speed", fastest / limits.speed), ("acceleration", np.sqrt(steepest / limits.acceleration))]
     if limits.jerk is not None:
         rows.append(("jerk", np.cbrt(np.abs(j) / limits.jerk)))
     return [(name, s, stop, factors) for name, factors in rows]

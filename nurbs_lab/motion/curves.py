@@ -29,9 +29,8 @@ def benchmark_curves():
     -------
     dict of str to BenchmarkCurve
     """
-    own = BenchmarkCurve(
-        "paper", paper.CURVE, "section 4 of the paper this project follows", "degree 2, plane"
-    )
+    source = "section 4 of the paper this project follows"
+    own = BenchmarkCurve("paper", paper.CURVE, source, "degree 2, plane")
     return {"paper": own} | {name: _load(name) for name in _STORED}
 
 
