@@ -161,10 +161,9 @@ def _task(feed):
     count, dim = int(np.ceil(feed.duration / step)) + 2, track.curve.dim
     limits, free, corners = limits.in_dimensions(dim), np.full(dim, np.inf), np.zeros((count, 2))
     path, t, geometry = scan(track, limits), step * np.arange(count), np.zeros((count, 4, dim))
-    geometry[:, 3] = path.turned(feed.displacement(t), feed.period_s * feed.speed(t))
+    geometry[:, 3] = path.turned(feed.displacement(t), feed.speed(t), feed.period_s)
     near = (feed.time_at(path.zones[:, :2]) / step + [0.0, 2.0]).astype(int)
-    held, parts = path.zones[:, 2:].T
-    taken = np.column_stack([0.5 * parts, 0.5 / (parts * held**2)])
+    taken = np.column_stack([0.5 * path.zones[:, 3], 0.5 / (path.zones[:, 3] * path.zones[:, 2] ** 2)])
     for (first, last), part in zip(near, taken, strict=True):
         corners[first:last] = np.maximum(corners[first:last], part)
     nodes = 1.0 / step, np.zeros(count, dtype=bool), geometry, corners

@@ -129,13 +129,16 @@ class Scan:
         rest = 1.0 - 0.5 * most
         return near * [along / rest, (across + 0.5 / (most * square)) / rest]
 
-    def turned(self, lengths, ways):
-        """Curvature vectors that periods see of corners, by their ways (none at ways of 0).
+    def turned(self, lengths, speeds, period):
+        """Curvature vectors that periods see of corners at lengths and speeds, none at rest.
 
-        The third difference of positions has ``3 v a`` times it, as of the curvature.
+        The third difference of positions has ``3 v a`` times it, as of the curvature. A corner that shares no
+        period with another is none: its speed is held.
         """
-        at, steps = self.kinks[:, 0], self.kinks[:, 1:]
-        total = np.vstack([np.zeros(steps.shape[1]), np.cumsum(steps, axis=0)])
+        at, ways = self.kinks[:, 0], speeds * period
+        gaps = np.diff(at, prepend=-np.inf, append=np.inf)
+        near = np.minimum(gaps[1:], gaps[:-1]) <= 3.0 * period * np.interp(at, self.lengths, self.speeds)
+        total = np.vstack([0.0 * self.tangents[:1], np.cumsum(near[:, None] * self.kinks[:, 1:], axis=0)])
 
         def within(reach):
             first, beyond = (np.searchsorted(at, lengths + side * reach * ways) for side in (-1.0, 1.0))
@@ -301,11 +304,9 @@ def _samples(track, limits, finer):
 def _beside_jumps(breaks, sampled):
     """Samples close to both ends of the curve and to knots where the speed limit or the tangent jumps."""
     spans = np.arange(len(breaks) - 1)
-    left = spans[:0]
-    if len(spans) > 1:
-        before, after = sampled(spans[:-1], breaks[1:-1]), sampled(spans[1:], breaks[1:-1])
-        jump = np.abs(before - after)[:, 0] > SCAN_TOLERANCE * np.minimum(before, after)[:, 0]
-        left = np.flatnonzero(jump | (np.linalg.norm(after[:, 2:] - before[:, 2:], axis=1) > JUMP))
+    before, after = sampled(spans[:-1], breaks[1:-1]), sampled(spans[1:], breaks[1:-1])
+    jump = np.abs(before - after)[:, 0] > SCAN_TOLERANCE * np.minimum(before, after)[:, 0]
+    left = np.flatnonzero(jump | (np.linalg.norm(after[:, 2:] - before[:, 2:], axis=1) > JUMP))
     near = _BESIDE * np.diff(breaks)
     before, after = np.append(left, len(breaks) - 2), np.append(left + 1, 0)
     span = np.concatenate([before, after])

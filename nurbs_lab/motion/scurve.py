@@ -261,9 +261,10 @@ def limits_on(path, limits, nodes, speeds, margin):
     if limits.axis_jerk is not None:  # a corner takes up to one half of them
         near = 1.0 - np.minimum(2.0 * taken, 0.5)
         axis = ((1.0 - margin) * parts[:, 2] * near)[:, None] * limits.axis_jerk
-        ways, turns = np.where(taken > 0.0, np.sqrt(caps) * limits.period_s, 0.0), []
+        fast, turns = np.where(taken > 0.0, np.sqrt(caps), 0.0), []
         for at, (t, n, m) in zip((nodes[:-1], nodes[1:]), sides, strict=True):
-            turns.append([0.5 * t / axis, 1.5 * (n + path.turned(at, ways)) / axis, m / axis])
+            n = n + path.turned(at, fast, limits.period_s)
+            turns.append([0.5 * t / axis, 1.5 * n / axis, m / axis])
         turns = np.moveaxis(np.stack(turns), (2, 3, 0, 1), (0, 1, 2, 3)).reshape(len(half), -1, 3)
     steepest, jerk = limits.acceleration * room, limits.jerk * parts[:, 3]
     return (caps * parts[:, 0]) ** 2, causes, along, across, steepest, kappas, turns, jerk
