@@ -95,7 +95,7 @@ LARGEST (override), MOST_SAMPLES (feed) 2, 5e6   what commands and paths may ask
 Definitions: _NODES, _WEIGHTS (quadrature), BASHFORTH, MOULTON, _POINTS, _SLOPES (formulas), _INSIDE (places
 in a cell), STEPPERS, _STEPPERS, _ROWS, TAYLOR, RUNGE_KUTTA, SLOPES, EXACT, MENDED, NEWER, PLUS, MINUS
 (steppers), NAMES, VECTOR, BY_SPEED, _LOWERED, KEPT, LIMITS (names), ROWS (of arrays), _NONE, _BEYOND (of
-landings), _STORED (of files).
+landings), _STORED (of files), _CORRECTED (a summary).
 
 Rules that were switched off in turn (2026-11), on 67 or 68 parts: random splines of degrees 1 to 5, kinks
 from 1e-9 to 1 rad, rasters, a rounded rectangle, a smoothed part, programs, the paper's curve and the
