@@ -24,8 +24,8 @@ def plane_and_triangle(graph, contour, *, at=0, stage=None, title=None):
     ends = _segment(contour, at)
     corners = graph.vertices[graph.triangles[contour.triangles[at]]]
     corners = np.roll(corners, -_edge_of(ends[0], corners), axis=0)  # the paper has Qk on the edge Q1 Q2
-    name_points(stage, _outside(corners, corners), ["Q₁", "Q₂", "Q₃"], BLUE)
-    name_points(stage, _outside(ends, corners), ["Qₖ", "Qₖ₊₁"], INK)
+    name_points(stage, _outside(corners, corners, 0.1), ["Q₁", "Q₂", "Q₃"], BLUE)
+    name_points(stage, _outside(ends, corners, 0.25), ["Qₖ", "Qₖ₊₁"], INK)
     return _framed(stage, title, corners[None], contour, ends)
 
 
@@ -61,12 +61,12 @@ def _edge_of(point, corners):
     return int(off.argmin())
 
 
-def _outside(points, corners):
-    """Places for names beside points, each away from the middle of the points, in the view of a triangle."""
+def _outside(points, corners, part):
+    """Places for names beside points, away from their middle by a part of a triangle's size."""
     size, right = np.ptp(corners, axis=0).max(), _view(corners[None])[1]
     away = points - points.mean(axis=0)
     away *= size / np.linalg.norm(away, axis=1)[:, None]
-    return points + 0.22 * away - 0.1 * size * right - [0.0, 0.0, 0.04 * size]  # by half a name
+    return points + part * away - 0.05 * size * right - [0.0, 0.0, 0.03 * size]  # by half a name
 
 
 def _framed(stage, title, triangles, contour, cut):
