@@ -98,10 +98,10 @@ def regions_of(points, triangles, sharp_angle, least=None):
     None if nothing else is left.
     """
     facets = facets_of(points, triangles, sharp_angle)
-    links, label, found = _search(facets, least is not None)
+    links, label, found = _search(facets, least)
     if (apart := _of_several(facets, found, label)).any():
         facets = facets_of(points, triangles, sharp_angle, apart)
-        links, label, found = _search(facets, least is not None)
+        links, label, found = _search(facets, least)
     _absorb(facets, found, label)
     left = np.flatnonzero(label < 0)
     group = connected_components(links[left][:, left], False)[1]
@@ -146,17 +146,20 @@ def _of_several(facets, found, label):
     return ((np.bincount(facets.of, ~on) == 0) & (label < 0))[facets.of]
 
 
-def _search(facets, partly):
+def _search(facets, least):
     """Links across smooth sides; round surfaces through facets, none of which overlap, and their numbers.
 
-    Where one search is in vain, ``partly`` goes on with facets that are not connected to those.
+    If a ``least`` area is given, connected facets are searched on their own, for a search among others may be
+    in vain; not those that are smaller together.
     """
     smooth, count = facets.sides[facets.smooth], len(facets.areas)
     links = csr_matrix((np.ones(len(smooth)), tuple(smooth.T)), (count, count))
     label, found, vain = np.full(count, -1), [], np.zeros(count)
-    part = connected_components(links, False)[1] * partly
+    part = np.zeros(count, int) if least is None else connected_components(links, False)[1]
+    small = np.bincount(part, facets.areas)[part] < (least or 0.0)
     for seed in np.random.default_rng(0).permutation(len(label)):
-        if label[seed] >= 0 or links.indptr[seed] == links.indptr[seed + 1] or vain[part[seed]] > _IN_VAIN:
+        alone = small[seed] or links.indptr[seed] == links.indptr[seed + 1]
+        if label[seed] >= 0 or alone or vain[part[seed]] > _IN_VAIN:
             continue
         best = _surface_at(facets, links, label < 0, seed)
         more = 1.0 - 0.5 * len(best[1]) if best else 1.0

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import pyvista as pv
+import trimesh
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
 from OCP.BRepCheck import BRepCheck_Analyzer
@@ -15,6 +16,7 @@ from OCP.TopoDS import TopoDS
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import samples
+from nurbs_lab.mesh.solid import regions
 from nurbs_lab.tests.mesh.test_exact_faces import box, joined, meshed, parts, rod, sizes, volume, without
 
 
@@ -90,3 +92,12 @@ def test_a_nut_whose_bore_is_no_circle_keeps_its_planes_and_the_tolerance():
     assert sum(face.kind == "plane" for face in rebuilt.faces) == 26
     assert len(rebuilt.faces) < 50
     assert rebuilt.within_tolerance
+
+
+def test_facets_that_are_too_small_together_are_not_searched(monkeypatch):
+    seeds, ball = [], trimesh.creation.icosphere(subdivisions=2)
+    monkeypatch.setattr(regions, "_surface_at", lambda facets, links, free, seed: seeds.append(seed))
+    assert regions.regions_of(ball.vertices, ball.faces, 30.0, least=1.1 * ball.area) is None
+    assert not seeds
+    assert regions.regions_of(ball.vertices, ball.faces, 30.0, least=0.9 * ball.area) is None
+    assert seeds
