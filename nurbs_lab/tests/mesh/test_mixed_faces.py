@@ -2,22 +2,30 @@
 
 import numpy as np
 import pytest
-import pyvista as pv
 import trimesh
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
-from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepFilletAPI import BRepFilletAPI_MakeFillet
 from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism, BRepPrimAPI_MakeSphere
 from OCP.gp import gp_Ax2, gp_Dir, gp_Elips, gp_GTrsf, gp_Mat, gp_Pnt, gp_Vec, gp_XYZ
-from OCP.STEPControl import STEPControl_Reader
 from OCP.TopAbs import TopAbs_EDGE
 from OCP.TopoDS import TopoDS
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import samples
 from nurbs_lab.mesh.solid import regions
-from nurbs_lab.tests.mesh.test_exact_faces import box, joined, meshed, parts, rod, sizes, volume, without
+from nurbs_lab.tests.mesh.test_exact_faces import (
+    apart,
+    box,
+    joined,
+    meshed,
+    parts,
+    rod,
+    sizes,
+    stored,
+    volume,
+    without,
+)
 
 
 def oval(x, y, z, wide, narrow, height):
@@ -53,26 +61,16 @@ def test_exact_faces_beside_free_form_stay_exact(tmp_path, make, planes, cylinde
     mesh = meshed(shape, 0.05, 0.25)
     tolerance = 0.005 * mesh.scale
     rebuilt = nl.reconstruct(mesh, tolerance=tolerance)
-    reader = STEPControl_Reader()
-    reader.ReadFile(str(nl.export(tmp_path / "part.step", rebuilt)))
-    reader.TransferRoots()
-    found = reader.OneShape()
-    assert BRepCheck_Analyzer(found).IsValid()
+    found = stored(tmp_path, rebuilt)
     kinds = [kind for kind, *_ in sizes(found)]
     assert (kinds.count("plane"), kinds.count("cylinder")) == (planes, cylinders)
-    exact = [one for one in sizes(shape) if one[0] == "cylinder"]
-    assert (
-        np.abs(np.array([s[1:] for s in sizes(found) if s[0] == "cylinder"]) - [s[1:] for s in exact]).max()
-        < 1e-3 * tolerance
-    )
+    there, here = ([one[1:] for one in sizes(part) if one[0] == "cylinder"] for part in (found, shape))
+    assert np.abs(np.array(there) - here).max() < 1e-3 * tolerance
     assert volume(found) == pytest.approx(volume(shape), rel=3e-3)
     assert rebuilt.volume == pytest.approx(volume(found), rel=1e-5)
     closed = rebuilt.to_mesh(tolerance / 20)
     assert closed.is_watertight
-    closed, mesh = pv.wrap(closed), pv.wrap(mesh)
-    for one, other in ((closed, mesh), (mesh, closed)):
-        gaps = one.compute_implicit_distance(other)["implicit_distance"]
-        assert np.abs(gaps).max() <= 1.06 * tolerance
+    assert apart(closed, mesh) <= 1.06 * tolerance
     assert rebuilt.within_tolerance
     assert rebuilt.seam_angle < 0.01
 
