@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Kout in one clock cycle: s * du over the root of x * x + y * y between two registers, by two methods.
-// METHOD 0: root and quotient bit by bit, one sum for each; 1: a table of 1 / root, and a product for the quotient.
-// The table is read from inverse_roots.hex, which synthesis.py writes; it errs by up to 0.15 %, a unit of its
-// words (0.8 % if W is 8) and two units of k.
+// Kout in one clock cycle: s * du over the root of x * x + y * y between two registers, by three methods.
+// METHOD 0: root and quotient bit by bit, one sum for each; 1: a table of 1 / root, and a product for the quotient;
+// 2: a table of 1 / root for every x and y, in memories that register their address, and two products.
+// Table 1 is read from inverse_roots.hex, which synthesis.py writes; it errs by up to 0.15 %, a unit of its
+// words (0.8 % if W is 8) and two units of k. Table 2 has 4^W words, so W is small; it errs by up to half a unit of
+// its words (0.4 % if W is 8) and one unit of k. Its bits a, b, ... are read from inverse_lengths_a.hex, ...
 module kout_in_one_cycle #(parameter integer W = 20, METHOD = 0) (
     input  wire                  clk,
     input  wire signed [W-1:0]   x, y, du,
@@ -16,7 +18,8 @@ module kout_in_one_cycle #(parameter integer W = 20, METHOD = 0) (
     wire [W-1:0] quotient;
     generate
         if (METHOD == 0) bit_by_bit #(W) inside (squares, product, quotient);
-        else table_of_roots #(W) inside (squares, product, quotient);
+        else if (METHOD == 1) table_of_roots #(W) inside (squares, product, quotient);
+        else table_of_lengths #(W) inside (clk, {x, y}, product, quotient);
     endgenerate
     always @(posedge clk) begin x0 <= x; y0 <= y; du0 <= du; s0 <= s; k <= quotient; end
 endmodule
@@ -58,4 +61,25 @@ module table_of_roots #(parameter integer W = 20) (
     end
     wire [2*W-1:0] scaled = shifted[2*W-1:W] * inverse[high[2*W-1 -: 10]];
     assign quotient = scaled[2*W-2:W-1];
+endmodule
+
+module table_of_lengths #(parameter integer W = 8) (
+    input wire clk, input wire [2*W-1:0] x_and_y, input wire [2*W-1:0] product, output wire [W-1:0] quotient
+);
+    wire [W+2:0] inverse; // of the length: an exponent of 3 bits, and W bits that begin with a 1
+    genvar i;
+    generate for (i = 0; i < W + 3; i = i + 1) begin : bits // a memory for each, as those are deep and narrow
+        bit_of_table #(.DEPTH(1 << 2*W), .LETTER(97 + i)) one (clk, x_and_y, inverse[i]);
+    end endgenerate
+    wire [3*W-1:0] scaled = product * inverse[W-1:0];
+    wire [2*W-1:0] shifted = scaled[3*W-1:W] >> inverse[W+2:W];
+    assign quotient = shifted[W-1:0];
+endmodule
+
+module bit_of_table #(parameter integer DEPTH = 65536, parameter [7:0] LETTER = "a") (
+    input wire clk, input wire [$clog2(DEPTH)-1:0] place, output reg found
+);
+    reg bits [0:DEPTH-1];
+    initial $readmemh({"inverse_lengths_", LETTER, ".hex"}, bits);
+    always @(posedge clk) found <= bits[place];
 endmodule

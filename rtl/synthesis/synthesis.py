@@ -7,8 +7,7 @@ import sys
 import tempfile
 from collections import Counter
 from contextlib import contextmanager
-from itertools import product
-from math import ceil, sqrt
+from math import ceil, hypot, isqrt, sqrt
 from pathlib import Path
 
 from nurbs_lab.hardware.simulation import rtl_folder
@@ -27,9 +26,9 @@ SEEDS = range(1, 9)
 #: What the chip has, the ECP5-25F.
 CHIP = {"cells": 24288, "multipliers": 28, "memory_blocks": 56}
 #: How ``Kout`` finds its root and its quotient in one cycle: the METHOD of kout_in_one_cycle.v, by number.
-KOUT_METHODS = ("bit by bit", "a table")
-#: The words of kout_in_one_cycle.v: the shortest with which the paper's run starts, and far too short ones.
-KOUT_BITS = (20, 8)
+KOUT_METHODS = ("bit by bit", "a table", "a table of x and y")
+#: Methods and bits of the words: the shortest with which the paper's run starts, and far too short ones.
+KOUT_DESIGNS = ((0, 20), (1, 20), (0, 8), (1, 8), (2, 8))
 #: The clock that is wanted.
 WANTED_MHZ = 50
 #: Depth to width of an M4K block of Cyclone II.
@@ -80,22 +79,37 @@ def clock_mhz(placed):
 def kout_in_one_cycle_mhz() -> dict:
     """The clocks at which ``Kout`` would finish in one cycle, by method and word: three placements each."""
     clocks = {}
-    for bits, (number, method) in product(KOUT_BITS, enumerate(KOUT_METHODS)):
+    for number, bits in KOUT_DESIGNS:
         with workplace() as folder:
-            write_inverse_roots(folder, bits)
+            write_tables(folder, number, bits)
             read = "read_verilog -defer rtl/synthesis/kout_in_one_cycle.v; "
             read += f"chparam -set METHOD {number} -set W {bits} kout_in_one_cycle; "
             synthesize_ecp5(folder, read, "kout_in_one_cycle")
             placements = [clock_mhz(place(folder, seed)) for seed in SEEDS[:3]]
-            clocks[f"{method}, {bits} bits"] = placements
+            clocks[f"{KOUT_METHODS[number]}, {bits} bits"] = placements
     return clocks
 
 
-def write_inverse_roots(folder, bits):
-    """Write the table of ``kout_in_one_cycle``; the places of numbers below 1/4 are never read."""
-    places = [(max(index, 256) + 0.5) / 1024 for index in range(1024)]
-    words = [min(2**bits - 1, int(2 ** (bits - 1) / sqrt(place))) for place in places]
-    (folder / "inverse_roots.hex").write_text("\n".join(f"{word:x}" for word in words))
+def write_tables(folder, method, bits):
+    """Write what a method of ``kout_in_one_cycle`` reads: inverse roots, or the bits of inverse lengths."""
+    if method == 2:
+        words = [_inverse_length(place, bits) for place in range(4**bits)]
+        for i in range(bits + 3):
+            column = "\n".join(str(word >> i & 1) for word in words)
+            (folder / f"inverse_lengths_{chr(97 + i)}.hex").write_text(column)
+    elif method == 1:  # the places of numbers below 1/4 are never read
+        places = [(max(index, 256) + 0.5) / 1024 for index in range(1024)]
+        words = [min(2**bits - 1, int(2 ** (bits - 1) / sqrt(place))) for place in places]
+        (folder / "inverse_roots.hex").write_text("\n".join(f"{word:x}" for word in words))
+
+
+def _inverse_length(place, bits):
+    """1 / hypot(x, y) as an exponent and a word that begins with a 1; x and y are the halves of the place."""
+    half = 2 ** (bits - 1)
+    x, y = ((word + half) % (2 * half) - half for word in divmod(place, 2 * half))
+    exponent = isqrt(x * x + y * y or 1).bit_length() - 1
+    word = round(2 ** (bits + exponent) / (hypot(x, y) or 1))
+    return exponent << bits | min(word, 2**bits - 1)
 
 
 def synthesize_ecp5(folder, read, top):
