@@ -168,10 +168,10 @@ def _distance(spans, span, u, origin, chord, length):
 def chord_lengths_and_errors(spans, u, chords, errors):
     """Chord of every step and its chord error.
 
-    The distance is measured at seven samples, at the top of the parabola through the three largest, and at
+    The distance is measured at seven samples, below the top of the parabola through the largest three, and at
     the knots within the step, where the arc may have a corner.
     """
-    span, breaks = 0, spans[0]
+    span, breaks, sampled = 0, spans[0], np.zeros(9)  # at its ends the arc is on the chord
     for k in range(u.size - 1):
         span = find_span(spans[0], u[k], span)
         start = point(spans, span, u[k])
@@ -179,20 +179,16 @@ def chord_lengths_and_errors(spans, u, chords, errors):
         chord = (end_x - start[0], end_y - start[1], end_z - start[2])
         chords[k] = sqrt(chord[0] ** 2 + chord[1] ** 2 + chord[2] ** 2)
         width = (u[k + 1] - u[k]) / 8
-        best, at = 0.0, u[k] + width
         for i in range(1, 8):
-            distance = _distance(spans, span, u[k] + i * width, start, chord, chords[k])
-            if distance > best:
-                best, at = distance, u[k] + i * width
-        before = _distance(spans, span, at - width, start, chord, chords[k])
-        after = _distance(spans, span, at + width, start, chord, chords[k])
+            sampled[i] = _distance(spans, span, u[k] + i * width, start, chord, chords[k])
+        top = max(1, sampled.argmax())
+        before, best, after = sampled[top - 1 : top + 2]
         second = before - 2.0 * best + after
-        peaked = second < 0.0 and max(before, after) <= best  # else rounding exceeds the error
-        errors[k] = best - (after - before) ** 2 / (8.0 * second) if peaked else best
+        peak = top + 0.5 * (before - after) / second if second < 0.0 else top
+        errors[k] = max(best, _distance(spans, span, u[k] + peak * width, start, chord, chords[k]))
         knot = span + 1
         while knot < breaks.size and breaks[knot] < u[k + 1]:
-            corner = _distance(spans, knot, breaks[knot], start, chord, chords[k])
-            errors[k] = max(errors[k], corner)
+            errors[k] = max(errors[k], _distance(spans, knot, breaks[knot], start, chord, chords[k]))
             knot += 1
 
 

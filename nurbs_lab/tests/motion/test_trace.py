@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 import pytest
+from scipy.interpolate import BSpline
 
 import nurbs_lab as nl
 
@@ -190,3 +191,25 @@ def test_a_stepper_that_is_early_by_a_twentieth_of_a_plan_is_refused():
     feed = nl.plan_feed(curve, speed=50.0, acceleration=1000.0, period_s=4e-4)
     with pytest.raises(ValueError, match=r"'adams' leaps .* steps for"):
         nl.trace(curve, feed, stepper="adams")
+
+
+LONG_STEPS = {
+    "a corner": (1, [0, 0, 1, 2, 2], [(0, 0), (10, 0), (13, 8)]),
+    "a short span": (4, [0] * 5 + [1e-2] + [1] * 5, [(0, 0), (5, 9), (9, 1), (4, -8), (12, -3), (20, 4)]),
+    "many turns": (6, [0] * 7 + [0.3, 0.5, 0.6] + [1] * 7, [(3 * k, 9 * (-1) ** k) for k in range(10)]),
+}
+
+
+@pytest.mark.parametrize("shape", LONG_STEPS.values(), ids=LONG_STEPS)
+def test_the_chord_error_of_a_long_step_is_never_too_large(shape):
+    """SciPy's curve at 20,001 places of each of 40 steps, and at its knots."""
+    degree, knots, points = shape
+    curve = nl.NurbsCurve(*shape)
+    path = nl.trace(curve, curve.length() / 40.3, stepper="exact", period_s=1.0)
+    spline = BSpline(np.array(knots, dtype=float), np.array(points, dtype=float), degree)
+    for start, stop, measured in zip(path.u[:-1], path.u[1:], path.chord_error, strict=True):
+        inside = [knot for knot in knots if start < knot < stop]
+        arc = spline(np.sort(np.append(np.linspace(start, stop, 20_001), inside))) - spline(start)
+        chord = arc[-1] / np.linalg.norm(arc[-1])
+        largest = np.abs(arc[:, 0] * chord[1] - arc[:, 1] * chord[0]).max()
+        assert 0.97 * largest - 1e-12 <= measured <= largest * (1.0 + 1e-6) + 1e-12
