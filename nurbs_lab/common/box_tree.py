@@ -15,12 +15,13 @@ LEAF = 4  # items of a leaf
 def box_tree(leaves):
     """The tree over the boxes ``leaves (m, 2 dim)``."""
     dim, size = leaves.shape[1] // 2, 1 << max(len(leaves) - 1, 0).bit_length()
-    boxes = np.repeat([[np.inf, -np.inf]], dim, axis=1).repeat(2 * size - 1, axis=0)
+    boxes = np.full((2 * size - 1, 2 * dim), np.repeat([np.inf, -np.inf], dim))
     boxes[size - 1 : size - 1 + len(leaves)] = leaves
     while size > 1:
         size //= 2
-        nodes, pairs = boxes[size - 1 : 2 * size - 1], boxes[2 * size - 1 : 4 * size - 1].reshape(size, 2, -1)
-        nodes[:, :dim], nodes[:, dim:] = pairs[..., :dim].min(axis=1), pairs[..., dim:].max(axis=1)
+        nodes, below = boxes[size - 1 : 2 * size - 1], boxes[2 * size - 1 : 4 * size - 1]
+        np.minimum(below[::2, :dim], below[1::2, :dim], out=nodes[:, :dim])
+        np.maximum(below[::2, dim:], below[1::2, dim:], out=nodes[:, dim:])
     return boxes
 
 
@@ -91,6 +92,5 @@ def tree_along(places, lows, highs):
     Every leaf holds `LEAF` items that follow one another in this order ``(n,)``, the last one perhaps fewer.
     """
     order = order_halved(places)
-    starts = np.arange(0, len(order), LEAF)
-    leaves = np.minimum.reduceat(lows[order], starts), np.maximum.reduceat(highs[order], starts)
-    return order, box_tree(np.hstack(leaves))
+    leaves = np.append(order, order[-1:].repeat(-len(order) % LEAF)).reshape(-1, LEAF).T
+    return order, box_tree(np.hstack([lows[leaves].min(axis=0), highs[leaves].max(axis=0)]))

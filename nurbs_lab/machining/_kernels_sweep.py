@@ -56,14 +56,14 @@ def beside_box(boxes, node, x, y, z, shape, upright):
 
 
 @compiled
-def left(points, tips, boxes, shape, enough, upright, out, which):
-    """Lower ``out`` at every point to how far `off` the nearest of all cutters is, and say in ``which``.
+def left(points, shape, tips, boxes, enough, upright, out, nearest):
+    """Lower ``out`` at every point to how far `off` the nearest of all cutters is, and take its tip.
 
     The tips are in the order of the tree ``boxes``. The nearer one of two boxes is opened first. The tip
     nearest to one point gives a first distance for the next. A search ends below ``enough (n,)``.
     """
     held, leaves, stack, gaps = ZERO, (len(boxes) + 1) // 2, np.empty(128, np.int64), np.empty(128)
-    for i in range(len(points)):
+    for i in range(len(points) if len(tips) else 0):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
         best = min(out[i], off(x - tips[held, 0], y - tips[held, 1], z - tips[held, 2], shape, upright))
         stack[0], gaps[0], waiting = 0, -np.inf, 1
@@ -82,7 +82,8 @@ def left(points, tips, boxes, shape, enough, upright, out, which):
                 gap = off(x - tips[k, 0], y - tips[k, 1], z - tips[k, 2], shape, upright)
                 if gap < best:
                     best, held = gap, k
-        out[i], which[i] = best, held
+        if best < out[i]:
+            out[i], nearest[i] = best, tips[held]
 
 
 @compiled

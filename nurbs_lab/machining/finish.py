@@ -14,7 +14,7 @@ from nurbs_lab.machining.part import SINGLE, prepare_part
 from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.program import MACHINE, Program
 from nurbs_lab.machining.stock import as_stock, depths, material_of, require_inside
-from nurbs_lab.machining.surface import at_rest, left_over, sample_surface, standing, visible, with_valleys
+from nurbs_lab.machining.surface import at_rest, deepened, left_over, sample_surface, standing, swept, visible
 from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
 from nurbs_lab.nurbs.along import lengths_along
@@ -134,30 +134,28 @@ def covering(fitting, plan, scallop, stock, after, material):
     part, cutter = fitting.part, fitting.cutter
     spacing = max(SAMPLES * plan.step, FINEST_SAMPLES * cutter.diameter)
     samples = sample_surface(part, spacing)
-    field = with_valleys(plan.field, plan.touch, samples)
+    field = deepened(plan.field, plan.touch, samples)
     plan = replace(plan, field=field, slope=field.slope)
     places = np.column_stack([field.places(), field.z.ravel()])
     samples = samples[visible(part, samples, field.floor, fitting.tolerance)]
     touch = fitting.touch(0.0)
-    found, tips, gaps = at_rest(touch, cutter, samples, field.floor, fitting.tolerance, places)
+    found, tips, gaps, places = at_rest(touch, cutter, samples, field.floor, fitting.tolerance, places)
     near = gaps < cutter.diameter  # not so in deep holes
     samples, found, tips, gaps = samples[near], found[near], tips[near], gaps[near]
-    places = np.vstack([places, tips])
     points, plan = samples.points, plan.with_steps(tips[found], samples.normals[found])
-    done = [] if after is None else [(one.cutter, program_tips(one)) for one in after.chain]
+    done = [] if after is None else [swept(one.cutter, program_tips(one)) for one in after.chain]
     far, above = np.full(len(points), 2.0 * scallop + gaps.max(initial=0.0)), material.above(points)
     if after is not None:
         far = np.minimum(far, depths(stock, above, points))
-    for one in done:
-        far, _ = left_over(*one, points, far, gaps + scallop)
+    far, _ = left_over(done, points, far, gaps + scallop)
     poor, before = far - gaps > scallop, np.inf
     first = plan.paths(tips[poor], tips[~poor])
     paths, fresh = [], longer_than(fitting.tolerance, fit_paths(fitting, first))
     closer = fitting
     while True:
-        done = [*done, (cutter, locations(fresh))]
-        far, _ = left_over(*done[-1], points, far, gaps + scallop)
-        some, over, deep, high = standing(touch, cutter, points, above, scallop, done, places)
+        done = [*done, swept(cutter, locations(fresh))]
+        far, _ = left_over(done[-1:], points, far, gaps + scallop)
+        some, over, deep, high = standing(touch, cutter, points, gaps, above, scallop, done, places)
         now, above, done = far - gaps, np.zeros(len(points)), []
         now[some], tips[some], above[some] = deep, over, high
         if np.count_nonzero(poor := now > scallop) > VAIN * before:

@@ -117,11 +117,9 @@ class Fitting:
             counts.append(several)
         starts = np.cumsum(np.concatenate([[0], *counts]))
         farther = self.touch(1.0 - LOSS) if self.leave is None else None
-        bad = self.touch(LOSS).strays(np.concatenate(tips), starts, farther)
-        out, ends = [np.zeros(len(some), bool) for some in steps], np.cumsum([*map(len, counts)])[:-1]
-        for one, some, found in zip(out, steps, np.split(bad, ends), strict=True):
-            one[some] = found
-        return out
+        out = np.concatenate(steps)
+        out[out] = self.touch(LOSS).strays(np.concatenate(tips), starts, farther)
+        return np.split(out, np.cumsum([*map(len, steps)])[:-1])
 
 
 def fit_paths(fitting, paths):

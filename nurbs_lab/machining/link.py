@@ -73,8 +73,8 @@ class Ways:
 
     def program(self, paths, tolerance, stock, warnings=()) -> Program:
         """The program that cuts the paths in this order from a stock."""
-        cutter = self.material.cutter
-        return warned(Program(self.moves(paths), cutter, self.machine, tolerance, stock, warnings))
+        moves, cutter = self.moves(paths), self.material.cutter
+        return warned(Program(moves, cutter, self.machine, tolerance, stock, warnings), self.floor)
 
     def moves(self, paths) -> tuple[Move, ...]:
         """The moves that cut the paths in the order given.

@@ -18,7 +18,7 @@ from nurbs_lab.machining.part import SINGLE, prepare_part
 from nurbs_lab.machining.passes import level_faces
 from nurbs_lab.machining.program import MACHINE, Program
 from nurbs_lab.machining.stock import HALF, RIM, Material, as_stock, bounds_of, material_of, require_inside
-from nurbs_lab.machining.surface import Samples, reached, sample_surface, with_valleys
+from nurbs_lab.machining.surface import Samples, deepened, reached, sample_surface
 from nurbs_lab.machining.waterlines import runs, waterlines
 from nurbs_lab.mesh.read import without_cache
 from nurbs_lab.mesh.slicing.planes import slice_mesh
@@ -129,7 +129,7 @@ def clearing_of(part, stock, cutter, leave, step_down):
     tips = tip_field(fitting.touch(0.5), step, floor, margin, "cutter is too small for this stock")
     tips.z[[0, -1]] = tips.z[:, [0, -1]] = floor  # beyond the stock, so that every contour closes
     samples = sample_surface(part, step)
-    tips = with_valleys(tips, fitting.touch(0.5), samples)
+    tips = deepened(tips, fitting.touch(0.5), samples)
     material = material_of(stock, cutter, share=share)
     return Clearing(fitting, material, tips, step_down, skin, samples)
 

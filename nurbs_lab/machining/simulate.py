@@ -135,9 +135,9 @@ def coarse(program) -> Simulation:
     return simulate(program, stock, cell_of(stock, program.cutter, WARN_CELLS))
 
 
-def warned(program) -> Program:
-    """A new program with its warnings. No rapid move of it touches material, but shank and holder may."""
-    lowest = min(move.curve.control_points[:, 2].min() for move in program.moves)
+def warned(program, floor) -> Program:
+    """A new program, of tips above a floor, with its warnings: shank and holder may touch material."""
+    lowest = max(floor, min(move.curve.control_points[:, 2].min() for move in program.moves))
     if lowest + min(height for *_, height in program.cutter.bodies) >= bounds_of(program.stock)[1, 2]:
         return program
     return replace(program, warnings=(*program.warnings, *coarse(program).warnings()))

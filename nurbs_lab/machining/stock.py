@@ -164,7 +164,6 @@ class Material:
         """
         out, field = np.empty(len(xy)), self.field
         wider = (HALF + 0.5 * TIP_SPACING) * field.step if wider is None else wider
-        kernels.rest(
-            (field.z, field.origin, field.step), np.ascontiguousarray(xy), self.cutter.shape, wider, out
-        )
+        grid, xy = (field.z, field.origin, field.step), np.ascontiguousarray(xy)
+        kernels.rest(grid, xy, self.cutter.shape, wider, out)
         return out

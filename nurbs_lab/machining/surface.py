@@ -80,7 +80,7 @@ def tips_over(touch, samples):
     return samples.points + off + (0.0, 0.0, touch.allowance)
 
 
-def with_valleys(field, touch, samples):
+def deepened(field, touch, samples):
     """A field of tips with nodes in valleys that are narrower than its grid, where the cutter fits.
 
     These nodes are moved to the lowest tips in contact with samples near them.
@@ -112,7 +112,7 @@ def reached(touch, samples, floor, tolerance):
 
 
 def at_rest(touch, cutter, samples, floor, tolerance, places):
-    """Which samples the cutter reaches, its nearest tips, and how far from them they leave the samples.
+    """Which samples the cutter reaches, its nearest tips, how far from them they leave the samples, all tips.
 
     In a fillet that is too small for it, or between two edges, it rests on the part at a distance from the
     samples. Its tip there is the nearest one of those in contact with samples, of those over the samples that
@@ -121,10 +121,10 @@ def at_rest(touch, cutter, samples, floor, tolerance, places):
     """
     found, tips = reached(touch, samples, floor, tolerance)
     xy, gaps = samples.points[~found, :2], np.zeros(len(found))
-    places = np.vstack([places, tips[found], np.column_stack([xy, touch.heights(xy, floor)])])
-    gaps[~found], which = left_over(cutter, places, samples.points[~found], cutter.diameter)
-    tips[~found] = places[which]
-    return found, tips, gaps.clip(0.0)
+    drops = np.column_stack([xy, touch.heights(xy, floor)])
+    places = swept(cutter, np.vstack([places, tips[found], drops]))
+    gaps[~found], tips[~found] = left_over([places], samples.points[~found], cutter.diameter)
+    return found, tips, gaps.clip(0.0), places
 
 
 def visible(part, samples, floor, tolerance):
@@ -133,46 +133,50 @@ def visible(part, samples, floor, tolerance):
     return (samples.points[:, 2] >= floor - tolerance) & ~Contact(part, NEEDLE, 0.0).collides(above)
 
 
-def standing(touch, cutter, points, above, height, done, places):
+def standing(touch, cutter, points, gaps, above, height, done, places):
     """Points above which a cutter at rest takes more than ``height``.
 
     Returned are their numbers, the tips there, how much it takes, and how much stands above the points.
     Beside a pass that comes near a point, a pillar may stand on it. ``above (n,)`` is how high the stock is
-    over the points, ``done`` holds cutters and their tips, and ``places`` are tips of the cutter at rest.
+    over the points. ``done`` are cutters at their tips, and ``places`` this one at tips at rest, which are
+    ``gaps (n,)`` from the points, and take no more of a pillar than what is higher.
     """
     some = np.flatnonzero((above > height) & (above < np.inf) & (height < cutter.radius))
     points, above, ball = points[some], above[some], Cutter("ball", diameter=2.0 * height)
     far = points.copy()  # the highest over each of them that is so near the part
     far[:, 2] = contact(touch.part, ball).heights(points[:, :2]) + height
     stand = far[:, 2] < points[:, 2] + above
-    for one in done:
-        stand[stand] = left_over(*one, far[stand], SINGLE * height, 0.0)[0] > 0.0
-    some, tops, above = some[stand], points[stand], above[stand]
-    for one in done:
-        above, _ = left_over(*one, tops, above, upright=True)
+    stand[stand] = left_over(done, far[stand], SINGLE * height, 0.0)[0] > 0.0
+    some, tops = some[stand], points[stand]
+    above, _ = left_over(done, tops, above[stand], upright=True)
+    high = above - gaps[some] > height
+    some, tops, above = some[high], tops[high], above[high]
     tops[:, 2] += above
-    places = np.vstack([places, np.column_stack([tops[:, :2], touch.heights(tops[:, :2])])])
-    deep, which = left_over(cutter, places, tops, -height)
+    over = swept(cutter, np.column_stack([tops[:, :2], touch.heights(tops[:, :2])]))
+    deep, tips = left_over([over, places], tops, -height)
     stand = deep < -height
-    return some[stand], places[which[stand]], -deep[stand], above[stand]
+    return some[stand], tips[stand], -deep[stand], above[stand]
 
 
-def left_over(cutter, tips, points, reach=np.inf, enough=-np.inf, upright=False):
-    """Distance ``(n,)`` of each point to the nearest of the cutters with tips ``tips``, and which one it is.
+def swept(cutter, tips):
+    """A cutter at all of ``tips (n, 3)``: its shape, and its tips in the order of a tree over them."""
+    order, boxes = tree_along(tips, tips, tips)
+    return cutter.shape, tips[order], boxes
+
+
+def left_over(done, points, reach=np.inf, enough=-np.inf, upright=False):
+    """Distance ``(n,)`` of each point to the nearest of the cutters ``done``, and the tip of that one.
 
     It is negative inside. If ``upright``, it is the height of the lowest one over the point. Larger ones than
-    ``reach`` are returned as ``reach``, of any cutter, and the first one found that is less than ``enough``
-    will do; both are a number or one for each point.
+    ``reach`` are returned as ``reach``, of no tip, and the first one found that is less than ``enough`` will
+    do; both are a number or one for each point.
     """
-    out, which = np.full(len(points), reach, float), np.zeros(len(points), int)
+    out, nearest = np.full(len(points), reach, float), np.zeros((len(points), 3))
     enough = np.full(len(points), enough, float)
-    if not len(tips) or not len(points):
-        return out, which
-    order, boxes = tree_along(tips, tips, tips)
-    tips, shape = tips[order], cutter.shape
 
     def kernel(block):
-        kernels.left(points[block], tips, boxes, shape, enough[block], upright, out[block], which[block])
+        for one in done:
+            kernels.left(points[block], *one, enough[block], upright, out[block], nearest[block])
 
     over_blocks(kernel, len(points), "measuring what is left")
-    return out, order[which]
+    return out, nearest

@@ -12,7 +12,7 @@ from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
 from nurbs_lab.machining.simulate import coarse
 from nurbs_lab.machining.stock import as_stock, depths, material_of
-from nurbs_lab.machining.surface import at_rest, left_over, sample_surface, standing, visible
+from nurbs_lab.machining.surface import at_rest, left_over, sample_surface, standing, swept, visible
 from nurbs_lab.mesh.read import without_cache
 from nurbs_lab.nurbs.measure import samples_along
 
@@ -152,24 +152,24 @@ def verify(program, part, *, spacing=None) -> Verification:
         deep = tips[touch.collides(tips)]
         gouges.insert(0, np.column_stack([deep, touch.depths(deep)]))
         contacts = [*_contacts(one, part, tips), *contacts]
-        left, _ = left_over(cutter, tips, samples.points, before)
-        done.append((cutter, tips))
+        done.append(swept(cutter, tips))
+        left, _ = left_over(done[-1:], samples.points, before)
         if one is program or left[left < before].min(initial=np.inf) <= one.tolerance:
             floor = part.bounds[0, 2]
-            fits, rest, off = at_rest(touch, cutter, samples, floor, one.tolerance, np.empty((0, 3)))
+            fits, _, off, rest = at_rest(touch, cutter, samples, floor, one.tolerance, np.empty((0, 3)))
             if cutter.flat_radius:  # a level place may be anywhere under the disc
                 fits |= seen & (off < 2.0 * one.tolerance)
             found |= fits
-            rests.append((touch, cutter, rest, fits))
+            rests.append((touch, cutter, rest, fits, off))
             gaps = np.minimum(gaps, np.where(off < cutter.diameter, off, np.inf))
     stock = as_stock(chain[0].stock, part)
     above = material_of(stock, program.cutter).above(samples.points)
     if chain[0].stock is not None:
         left = np.minimum(left, above if program.after is None else depths(stock, above, samples.points))
     left = left - gaps
-    for touch, cutter, rest, fits in rests:
+    for touch, cutter, rest, fits, off in rests:
         high = max(left[fits].max(initial=0.0), program.tolerance)
-        some, _, deep, _ = standing(touch, cutter, samples.points, above, high, done, rest)
+        some, _, deep, _ = standing(touch, cutter, samples.points, off, above, high, done, rest)
         left[some] = deep
     seen, narrow = seen | found, seen & ~found
     bridged, left = left[narrow].clip(0.0), left[found]
@@ -196,9 +196,8 @@ def _contacts(program, part, tips):
     rapid = locations(program, ("rapid",))
     fast = rapid[contact(part, program.cutter).collides(rapid)]
     found = [("rapid moves touch", fast, rapid)] if len(fast) else []
-    found += [
-        (f"the {name} touches", hit, tips) for name, hit, _ in body_contacts(part, program.cutter, tips)
-    ]
+    bodies = body_contacts(part, program.cutter, tips)
+    found += [(f"the {name} touches", hit, tips) for name, hit, _ in bodies]
     said = [
         f"{what} the part at {len(a)} of {len(b)} places, such as {a[0].round(3)}" for what, a, b in found
     ]
