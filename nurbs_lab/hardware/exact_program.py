@@ -210,9 +210,7 @@ def pieces_of(curve):
             yield (first, last), axes, metric, float(speeds.max())
             continue
         if halvings == _HALVINGS:
-            raise ValueError(
-                f"the curve nearly stops at u = {first:.6g}: |C'| changes too much for exact slopes"
-            )
+            raise ValueError(f"the curve nearly stops at u = {first:.6g}, where it needs a smoother turn")
         one, two = bezier.split(sum(bezier.domain) / 2)
         middle = (first + last) / 2
         waiting += [(two, (middle, last), halvings + 1), (one, (first, middle), halvings + 1)]

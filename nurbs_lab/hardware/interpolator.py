@@ -144,9 +144,9 @@ def _run(job, *, slope="quotient", format: Format = SHIPPED):
         program = build_program(job.curve, job.feed, job.period_s, job.last_step, format=format)
     run = simulate_path(program)
     if run.flags:
-        cures = {"overflow": "; a shorter period may pass it", "by_zero": "; a longer period may pass it"}
-        flags = ", ".join(flag + cures.get(flag, "") for flag in run.flags)
-        raise ValueError(f"the hardware stopped after {len(run.u)} points with {flags}")
+        period = "longer" if "by_zero" in run.flags else "shorter"
+        cure = f"a {period} period" + (" or slope='exact'" if slope == "quotient" else "") + " may pass it"
+        raise ValueError(f"the hardware stopped after {len(run.u)} points: {', '.join(run.flags)}; {cure}")
     details = {"cycles": np.diff(run.clocks, prepend=0)[:-1], "total_cycles": run.cycles}
     steps = len(run.u) - 1  # the first three after the start take six more points, by Runge-Kutta
     evaluations = (steps + 1, steps) if slope == "exact" else (steps + 6 * min(steps, STARTED) - 5, 0)

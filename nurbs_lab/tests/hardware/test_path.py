@@ -119,6 +119,16 @@ def test_flags_stop_twin_and_verilog_alike():
         assert sent.u == expected.u
 
 
+def test_a_run_that_stops_says_what_may_pass():
+    """At a corner of 174 degrees the next u would lie behind; both cures pass it."""
+    corner = nl.NurbsCurve(1, [0, 0, 1, 2, 2], [(0, 0), (10, 0), (0, 1)])
+    coarse, fine = (nl.plan_feed(corner, speed=20, acceleration=200, period_s=t) for t in (1e-2, 2e-3))
+    with pytest.raises(ValueError, match="points: backward; a shorter period or slope='exact' may pass it"):
+        nl.trace(corner, coarse, stepper="rtl")
+    for feed, slope in ((fine, "quotient"), (coarse, "exact")):
+        assert nl.trace(corner, feed, stepper="rtl", slope=slope).u[-1] == 2.0
+
+
 def test_a_curve_never_loaded_is_refused_by_the_hardware():
     hardware = short(20)
     no_periods = replace(hardware, feed=replace(hardware.feed, periods=0))
