@@ -156,5 +156,5 @@ _ROWS = (
 )
 for _name, _summary, _evaluations, _exact, _over_arc in _ROWS:
     _call = partial(_run, exact=_exact, over_arc=_over_arc)
-    _keeps = KEPT if _over_arc else ()  # the accelerations to 1 % on sharp curves, elsewhere all
+    _keeps = KEPT if _over_arc else ()  # the others to some per cent on sharp curves
     register(Stepper(_name, f"Adams of order 4, {_summary}", _evaluations, _call, 4, keeps=_keeps))
