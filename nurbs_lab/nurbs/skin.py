@@ -29,6 +29,7 @@ DENSE = 4001  # points of a curve that is divided at corners: 3e-7 of its size b
 BESIDE = 1e-3  # of the domain: a section that is turned starts at a knot so near
 NEAR = 1e-9  # of the domain: knots so near are one
 CORNER = np.cos(np.radians(45.0))  # a section that turns by more has a corner there
+ASTRAY = 1 / 8  # of the way around: a corner that moves farther from section to section is another one
 
 
 @runtime_checkable
@@ -67,9 +68,9 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False):
     Closed sections are turned, and reversed where necessary, so that each starts opposite the start of the
     one before: the shift is the one of greatest correlation of the centred samples. Open ones keep the
     directions that they are given. Where all sections that turn by more than 45 degrees do so in equally
-    many places, these corners are kept: the surface is sampled and interpolated between them, and its knots
-    there are as multiple as its degree. Smooth sections among them are divided beside the corners of the
-    next section that has some.
+    many places, and these lie opposite one another to an eighth of the way around, the corners are kept: the
+    surface is sampled and interpolated between them, and its knots there are as multiple as its degree.
+    Smooth sections among them are divided beside the corners of the next section that has some.
     Without ``samples`` the surface passes exactly through sections that are open, or of which one is
     rational, if that takes no more control points than there would be samples, which are never fewer than
     four times the degree and one.
@@ -193,6 +194,8 @@ def _pieces(sections, around):
             bounds = [0, *at, len(line) - 1]
         parts = [line[a : b + 1] for a, b in pairwise(bounds)]
         out.append(_facing(parts, out[-1]) if out and around else parts)
+    if around and any(_astray(parts, before) for before, parts in pairwise(out)):
+        return None
     return out
 
 
@@ -214,6 +217,19 @@ def _facing(parts, before):
     ]
     some = np.array(some) - np.mean(some, axis=1, keepdims=True)
     return shifts[np.linalg.norm(some[1:] - some[0], axis=(1, 2)).argmin()]
+
+
+def _astray(parts, before):
+    """Whether a corner of a closed section is not opposite that of the section before, as noise has them."""
+    starts, samples = [], []
+    for pieces in (parts, before):
+        way = np.concatenate([[0.0], np.cumsum([lengths_along(piece)[-1] for piece in pieces])])
+        starts.append(way[:-1] / max(way[-1], 1e-300))
+        line = np.concatenate([pieces[0][:1], *(piece[1:] for piece in pieces)])
+        along = np.linspace(0.0, way[-1], DENSE, endpoint=False)
+        samples.append(np.column_stack([np.interp(along, lengths_along(line), x) for x in line.T]))
+    apart = starts[0] - starts[1] - seam_shift(*samples)[0]
+    return np.abs(apart - np.round(apart)).max() > ASTRAY
 
 
 def _skin_with_corners(pieces, degrees, samples, closed):

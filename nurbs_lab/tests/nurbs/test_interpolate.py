@@ -203,6 +203,23 @@ def test_skin_of_circles_and_sharp_aerofoils(count, off):
     assert max(wing.closest_point(section)[1].max() for section in sections) < off  # of a chord
 
 
+@pytest.mark.parametrize("elsewhere", [0.0, 0.9, 3.0])
+def test_skin_keeps_a_corner_that_stays_and_none_that_jumps(elsewhere):
+    """Unit circles with one tip, which lies elsewhere on the last three: a twisted tube has more area."""
+    half, sections = np.arccos(0.8), []  # the tip is 1.25 away from the centre
+    arc = np.exp(1j * np.linspace(half, 2 * np.pi - half, 100))
+    side = np.linspace(1.25, arc[0], 9)[:-1]
+    ring = np.concatenate([side, arc, side[:0:-1].conj()])
+    for i in range(9):
+        turned = np.roll(ring * np.exp(1j * elsewhere * (i > 5)), 17 * i)
+        turned = np.append(turned, turned[0])
+        sections.append(np.column_stack([turned.real, turned.imag, np.full(len(turned), 0.2 * i)]))
+    tube = nl.skin(sections)
+    assert abs(tube.area / (1.6 * (2 * np.pi - 2 * half + 1.5)) - 1) < 0.02
+    if not elsewhere:  # one piece, which begins and ends at the tip
+        assert_allclose(np.hypot(*tube(0.0, np.linspace(0, 1, 9))[:, :2].T), 1.25, atol=1e-9)
+
+
 @pytest.mark.parametrize("turn", [0.0, np.pi / 2, np.pi])
 @pytest.mark.parametrize("top", [2.0, 0.5, 0.0])
 def test_skin_of_circles_is_exact(turn, top):
