@@ -108,8 +108,8 @@ class Fitting:
         for path, some in zip(paths, steps, strict=True):
             t = lengths_along(path.points)
             begin, sizes = t[:-1][some], np.diff(t)[some]
-            curved = [lengths(path.curve.derivative(ends[some], 2)) for ends in (t[:-1], t[1:])]
-            curved = np.maximum(*curved) + straight
+            curved = lengths(path.curve.derivative(t, 2))
+            curved = np.maximum(curved[:-1], curved[1:])[some] + straight
             several = np.ceil(sizes * np.sqrt(curved / (8.0 * LOSS * self.tolerance))).astype(int)
             step, begun = np.repeat(np.arange(len(sizes)), several), np.cumsum(several) - several
             part = (np.arange(len(step)) + 0.5 - begun[step]) / several[step]
