@@ -91,7 +91,7 @@ class G1:
 
     def rounded(self, points):
         if np.abs(points).max(initial=0) > LARGEST:
-            raise ValueError(f"items: a coordinate is larger than a controller holds ({LARGEST:g})")
+            raise ValueError(f"items: a coordinate is above {LARGEST:g}, too large to write; shift the part")
         return np.round(points, self.digits) + 0.0
 
     def feed_word(self, feed):

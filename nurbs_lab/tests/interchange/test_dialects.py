@@ -253,7 +253,7 @@ TO_MILL = milling().moves
         ),
         ([Program((Move("rapid", TO_MILL[2].curve, 1.0),))], MOVES, r"moves\[0\] is rapid and curved"),
         ([nl.paper.CURVE] * 2, PLANE, "file holds one curve, path or program"),
-        ([nl.paper.CURVE.scale(1e6)], PLANE, "larger than a controller holds"),
+        ([nl.paper.CURVE.scale(1e6)], PLANE, "too large to write; shift the part"),
     ],
 )
 def test_what_no_program_can_be_is_refused(tmp_path, items, options, said):
