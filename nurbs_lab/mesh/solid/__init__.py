@@ -35,7 +35,7 @@ features._PINNED         1e6           5, up to 6.6 x        at 1e4 -2
 features._LEAST_CHORD    0.94          arcs of half a hole   at 0.97 2.6 times the faces of a plate
 features._JAGGED         4 reaches     spleen 2.3 times      the same; +0
 quads._FACE              2                                   +4, 0.93 x; of 50 parts -1, 0.93 x
-quads._REDUCED_COST      2             -1, 2 x a layout      -1; -1, 1.5 x a layout; at 3 +0
+quads._MOST_WAYS         1,500         rough liver 2 x       of 80 parts: 0, 3 have 1 to 3 faces more; 0
 space._STRAIGHT          20 degrees    +11                   -2; +10
 LEAST_COSINE (ring)      0.2                                 +0; +4, 1.7 x
 SPREAD (ring)            5e-3                                -3, 1.2 x

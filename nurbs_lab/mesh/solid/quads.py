@@ -15,7 +15,7 @@ from nurbs_lab.mesh.solid._kernels_ring import after, before
 from nurbs_lab.mesh.solid.features import corner_angles
 
 _FACE = 2.0  # cost of a face; a corner that is off by a right angle costs 1
-_REDUCED_COST = 2.0  # ways of a higher one are left out
+_MOST_WAYS = 1500  # to choose from; a quarter more, and so on, where these do not do
 
 # Pieces of polygons by which of their sides are halved: first the corners 0, 1, ... of the polygon, then the
 # middles of the sides that follow them, and last the middle of all. Other sides follow by rotation.
@@ -109,7 +109,7 @@ def _least(price, polygons, owners, opposite, sharp, sector, fewest):
     vertex keeps enough faces: three, or two on each side of a sharp curve. To leave all triangles alone and
     halve all sides is always possible.
 
-    First fractions of ways are allowed. Ways whose reduced cost is too high are left out then, if it can be.
+    First fractions of ways are allowed. Of many ways, only those of the least reduced costs are tried then.
     """
     count, half = len(opposite), np.arange(len(opposite))
     edge, sign = np.minimum(half, opposite), np.where(half < opposite, 1.0, -1.0)
@@ -136,13 +136,16 @@ def _least(price, polygons, owners, opposite, sharp, sector, fewest):
     least = np.concatenate([limits[:straight], np.full(len(limits) - straight, -np.inf)])
     options = {"mip_rel_gap": 0.02, "node_limit": 1}
     chosen = np.arange(begin) >= begin - count // 3  # all alone, and all their sides halved
-    for most in (_REDUCED_COST, np.inf):
-        some = np.flatnonzero(part.lower.marginals < most)
+    order, most = np.argsort(part.lower.marginals, kind="stable"), _MOST_WAYS
+    while True:
+        some = np.sort(order[:most])
         conditions = LinearConstraint(table[:, some], least, limits)
         found = milp(price[some], integrality=1, bounds=(0, 1), constraints=conditions, options=options)
-        if found.x is not None:
-            chosen = np.isin(np.arange(begin), some[found.x > 0.5])
+        if found.x is not None or most >= begin:
             break
+        most += most // 4
+    if found.x is not None:
+        chosen = np.isin(np.arange(begin), some[found.x > 0.5])
     parts = np.split(chosen, [len(polygons[0]) * len(WAYS[4])])
     return [one.reshape(len(WAYS[n]), -1) for n, one in zip((4, 3), parts, strict=True)]
 

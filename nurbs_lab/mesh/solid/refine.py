@@ -172,17 +172,12 @@ def measure(patches: Patches, target, inside, samples) -> Fitted:
     values = patches.grid(np.arange(11) / 10)
     back = target.tree.distances(values.reshape(-1, 3))
     bad = back.reshape(len(values), -1).max(axis=1)
-    face, gaps = _to_patches(patches, values, samples)
+    face, uv = places(values, np.concatenate([samples, inside]))
+    (face, face_of_vertex), uv = np.split(face, [len(samples)]), uv[: len(samples)]
+    gaps = patches.nearest(samples, face, uv)
     np.maximum.at(bad, face, gaps)
-    face_of_vertex = places(values, inside)[0]
     points, folds = values.reshape(-1, 3), patches.flipped()
     return Fitted(patches, samples, gaps, points, back, bad, folds, face_of_vertex)
-
-
-def _to_patches(patches, values, points):
-    """The patches nearest to points, found from a grid of ``values``, and the distances."""
-    face, uv = places(values, points)
-    return face, patches.nearest(points, face, uv)
 
 
 def _closely(fitted, target):
@@ -202,8 +197,8 @@ def _closely(fitted, target):
     far = fitted.mesh_points[np.argsort(fitted.to_surface)[-count:]]
     corners = target.vertices[target.triangles[np.unique(target.tree.nearest(far)[1])]]
     inside = np.einsum("kc,fcx->fkx", _INSIDE, corners)
-    _, gaps = _to_patches(patches, patches.grid(np.arange(21) / 20), inside.reshape(-1, 3))
-    inside, gaps = _farthest(inside, gaps)
+    face, uv = places(patches.grid(np.arange(21) / 20), inside.reshape(-1, 3))
+    inside, gaps = _farthest(inside, patches.nearest(inside.reshape(-1, 3), face, uv))
     return replace(
         fitted,
         mesh_points=np.concatenate([fitted.mesh_points, inside]),
