@@ -86,11 +86,11 @@ def order_halved(places):
     return order
 
 
-def tree_along(places, lows, highs):
-    """Items in boxes from ``lows (n, 3)`` to ``highs``: an order by their places, and a tree over it.
+def tree_along(places, lows, highs, order=None):
+    """Items in boxes from ``lows (n, 3)`` to ``highs``: an ``order`` by their places, and a tree over it.
 
     Every leaf holds `LEAF` items that follow one another in this order ``(n,)``, the last one perhaps fewer.
     """
-    order = order_halved(places)
+    order = order_halved(places) if order is None else order
     leaves = np.append(order, order[-1:].repeat(-len(order) % LEAF)).reshape(-1, LEAF).T
     return order, box_tree(np.hstack([lows[leaves].min(axis=0), highs[leaves].max(axis=0)]))

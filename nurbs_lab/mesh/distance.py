@@ -59,11 +59,11 @@ class TriangleTree(Value):
         return gaps, which
 
 
-def triangle_tree(corners) -> TriangleTree:
-    """Sort the triangles ``corners (m, 3, 3)`` into a binary tree of boxes."""
+def triangle_tree(corners, order=None) -> TriangleTree:
+    """Sort triangles ``corners (m, 3, 3)`` into a box tree, or take the ``order`` of others near them."""
     a, b, c = np.moveaxis(corners, 1, 0)
     low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
-    order, boxes = tree_along((a + b + c) / 3.0, low, high)
+    order, boxes = tree_along((a + b + c) / 3.0, low, high, order)
     corners = np.ascontiguousarray(corners[order])
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return TriangleTree(corners.reshape(-1, 9), normals, boxes, order)

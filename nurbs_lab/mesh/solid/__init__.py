@@ -41,7 +41,7 @@ LEAST_COSINE (ring)      0.2                                 +0; +4, 1.7 x
 SPREAD (ring)            5e-3                                -3, 1.2 x
 TRACE (ring)             1e-4          to 75 % by rotation
 LEAST_SINE (layout)      0.1                                 +10; not halved in the end +3
-regions._ON              1e-5                                of 81, 23 coarse: 2; 0
+quadrics.ON              1e-5                                of 81, 23 coarse: 2; 0
 regions._TURN            40 degrees    39                    of 81: 12; 3
 regions._FEWEST          4 facets                            of 81: 13; 15
 regions._TOUCHING        1e-4 radians  1 of 11 mixed         of 11 mixed: 0; 0; at 1e-2 0

@@ -47,9 +47,9 @@ def fit(target, layout, nodes, within, rims) -> Patches:
     points, normals, weight = target.samples(count)
     own = np.repeat(np.arange(faces), len(grid)), np.tile(grid, (faces, 1))
     pulls = np.ones(len(points)), np.ones(len(own[0]))
-    best, least, stiff = patches, np.inf, np.ones(faces)
+    best, least, stiff, order = patches, np.inf, np.ones(faces), None
     for k in range(1, ROUNDS + 1):
-        face, uv = places(patches.grid(np.arange(9) / 8), points, normals)
+        face, uv, order = places(patches.grid(np.arange(9) / 8), points, normals, order)
         gaps = patches.nearest(points, face, uv)
         on_grid = patches.grid(np.arange(GRID + 1) / GRID).reshape(-1, 3)
         feet = target.feet(on_grid)
@@ -111,9 +111,8 @@ class _Equations:
         rows = np.einsum("ni,nj->nij", u, v).reshape(len(order), -1)
         weighted = weight[order, None] * rows
         parts = [np.split(values, ends) for values in (weighted, rows, target[order])]
-        left = (
-            np.stack([a.T @ b for a, b, _ in zip(*parts, strict=True)]) + energy[:, None, None] * self.energy
-        )
+        left = np.stack([a.T @ b for a, b, _ in zip(*parts, strict=True)])
+        left += energy[:, None, None] * self.energy
         right = np.stack([a.T @ c for a, _, c in zip(*parts, strict=True)])
         squares = coo_array((left.ravel(), (self.rows.ravel(), self.columns.ravel())), self.penalty.shape)
         force = np.zeros((self.penalty.shape[0], 3))

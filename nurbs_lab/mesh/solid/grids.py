@@ -30,14 +30,15 @@ def even_places(cells):
     return np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
-def places(values, points, normals=None):
+def places(values, points, normals=None, order=None):
     """Face and (u, v) of the nearest places on grids of points of all faces ``(faces, n + 1, n + 1, 3)``.
 
-    Cells that face away from the normal of a point do not count, if there are others.
+    Cells that face away from the normal of a point do not count, if there are others. The last result is the
+    ``order`` of a tree of cells, which will do for grids that are near these too.
     """
     a, b, c, d = cells_of(values)
     corners = np.stack([np.stack([a, b, c], -2), np.stack([a, c, d], -2)], -3).reshape(-1, 3, 3)
-    tree = triangle_tree(corners)
+    tree = triangle_tree(corners, order)
     which = tree.nearest(points, normals)[1]
     lost = which < 0
     which[lost] = tree.nearest(points[lost])[1]
@@ -46,4 +47,4 @@ def places(values, points, normals=None):
     local = np.einsum("nk,nkd->nd", weights, _HALVES[which % 2]).clip(0.0, 1.0)
     cell, n = which // 2, values.shape[1] - 1
     corner = np.column_stack([cell // n % n, cell % n])
-    return cell // n**2, np.clip((corner + local) / n, 0.0, 1.0)
+    return cell // n**2, np.clip((corner + local) / n, 0.0, 1.0), tree.order

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 _STEPS = 12  # of Gauss and Newton at most
+ON = 1e-5  # lengths of the part: vertices so near to a surface lie on it
 _FAR = 1e-3  # from the surface after three steps, in lengths of the part: the search is given up
 _TOLD = 3e-7  # of the largest singular value: numbers of a surface that points tell less about stay
 SAME = 2e-6  # lengths of the part: planes, sizes and sines of angles that differ by less are one
@@ -56,9 +57,9 @@ class Quadric:
         """Signed distances ``(n,)``."""
         return self.distances_and_normals(points)[0]
 
-    def slopes(self, points):
-        """Derivatives of the distances by the numbers of `moved`, ``(n, 7)``."""
-        at, normals = points - self.point, self.distances_and_normals(points)[1]
+    def distances_and_slopes(self, points):
+        """Signed distances ``(n,)``, and their derivatives by those numbers of `moved` that its kind has."""
+        at, (gaps, normals) = points - self.point, self.distances_and_normals(points)
         e, f = across(self.axis)
         height = at @ self.axis
         aside = at - height[:, None] * self.axis
@@ -68,7 +69,8 @@ class Quadric:
         else:
             other = -np.einsum("ij,ij->i", normals, aside) / rho
         turns = np.cross(normals, at) @ np.column_stack([f, -e])
-        return np.column_stack([-normals, turns, np.full(len(at), -1.0), other])
+        slopes = np.column_stack([-normals, turns, np.full(len(at), -1.0), other])
+        return gaps, slopes[:, ROUND[self.kind]]
 
     def moved(self, x):
         """The surface with its point, axis and sizes changed by (3, 2, 1, 1) numbers."""
@@ -129,11 +131,11 @@ def improved(quadric, points):
     """Gauss-Newton on the distances; None where it goes astray.
 
     What the points hardly tell stays as it was guessed: in a file of single precision they are off by 1e-7.
+    Nor are more steps made where points are not on a surface that can hardly come nearer to them.
     """
     free = ROUND[quadric.kind]
     for step in range(_STEPS):
-        gaps = quadric.distances(points)
-        slopes = quadric.slopes(points)[:, free]
+        gaps, slopes = quadric.distances_and_slopes(points)
         if not np.isfinite(slopes).all() or (step > 3 and np.abs(gaps).max() > _FAR):
             return None
         x = np.zeros(7)
@@ -141,7 +143,8 @@ def improved(quadric, points):
         if not np.abs(x).max() < 1.0:  # far away
             return None
         quadric = quadric.moved(x)
-        if np.abs(x).max() < 1e-13:
+        vain = np.linalg.norm(gaps + slopes @ x[free]) > 0.99 * np.linalg.norm(gaps)
+        if np.abs(x).max() < 1e-13 or (vain and np.abs(gaps).max() > ON):
             break
     return quadric
 

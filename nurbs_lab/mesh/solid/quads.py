@@ -135,7 +135,6 @@ def _least(price, polygons, owners, opposite, sharp, sector, fewest):
     part = linprog(price, below[0], below[1], equal[0], equal[1], bounds=(0, 1))
     least = np.concatenate([limits[:straight], np.full(len(limits) - straight, -np.inf)])
     options = {"mip_rel_gap": 0.02, "node_limit": 1}
-    chosen = np.arange(begin) >= begin - count // 3  # all alone, and all their sides halved
     order, most = np.argsort(part.lower.marginals, kind="stable"), _MOST_WAYS
     while True:
         some = np.sort(order[:most])
@@ -144,8 +143,8 @@ def _least(price, polygons, owners, opposite, sharp, sector, fewest):
         if found.x is not None or most >= begin:
             break
         most += most // 4
-    if found.x is not None:
-        chosen = np.isin(np.arange(begin), some[found.x > 0.5])
+    alone = np.arange(begin) >= begin - count // 3  # all of them, and all their sides halved
+    chosen = alone if found.x is None else np.isin(np.arange(begin), some[found.x > 0.5])
     parts = np.split(chosen, [len(polygons[0]) * len(WAYS[4])])
     return [one.reshape(len(WAYS[n]), -1) for n, one in zip((4, 3), parts, strict=True)]
 

@@ -172,7 +172,7 @@ def measure(patches: Patches, target, inside, samples) -> Fitted:
     values = patches.grid(np.arange(11) / 10)
     back = target.tree.distances(values.reshape(-1, 3))
     bad = back.reshape(len(values), -1).max(axis=1)
-    face, uv = places(values, np.concatenate([samples, inside]))
+    face, uv, _ = places(values, np.concatenate([samples, inside]))
     (face, face_of_vertex), uv = np.split(face, [len(samples)]), uv[: len(samples)]
     gaps = patches.nearest(samples, face, uv)
     np.maximum.at(bad, face, gaps)
@@ -197,7 +197,7 @@ def _closely(fitted, target):
     far = fitted.mesh_points[np.argsort(fitted.to_surface)[-count:]]
     corners = target.vertices[target.triangles[np.unique(target.tree.nearest(far)[1])]]
     inside = np.einsum("kc,fcx->fkx", _INSIDE, corners)
-    face, uv = places(patches.grid(np.arange(21) / 20), inside.reshape(-1, 3))
+    face, uv, _ = places(patches.grid(np.arange(21) / 20), inside.reshape(-1, 3))
     inside, gaps = _farthest(inside, patches.nearest(inside.reshape(-1, 3), face, uv))
     return replace(
         fitted,

@@ -12,9 +12,8 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from nurbs_lab.mesh.core import components, face_normals, opposite_of, unit
-from nurbs_lab.mesh.solid.quadrics import ROUND, SAME, circumcentres, fit, improved, made_equal
+from nurbs_lab.mesh.solid.quadrics import ON, ROUND, SAME, circumcentres, fit, improved, made_equal
 
-_ON = 1e-5  # of the size: vertices so near to a surface lie on it
 _TURN = np.cos(np.radians(40.0))  # between a facet and its surface
 _IN_VAIN = 25  # seeds in a row that give no surface, after which the rest has none
 _TOUCHING = 1e-4  # radians between normals of surfaces that touch
@@ -50,12 +49,12 @@ class Facets:
         as far from it as chords may be that make such angles with it, unlike a plane that touches it.
         """
         gaps, normals = found.distances_and_normals(self.points)
-        on = (np.abs(gaps) < _ON)[self.triangles].all(axis=1)
+        on = (np.abs(gaps) < ON)[self.triangles].all(axis=1)
         corners, normals = self.points[self.triangles[on]], normals[self.triangles[on]]
         cosine = found.sign * np.einsum("fkj,fj->fk", normals, self.normals[self.of[on]])
         cosine[np.linalg.norm(normals, axis=2) < 0.999] = 1.0  # at an apex
         least = cosine.min(axis=1)
-        bound = np.ptp(corners, axis=1).max(axis=1) * np.sqrt(np.maximum(1.0 - least**2, 0.0)) + _ON
+        bound = np.ptp(corners, axis=1).max(axis=1) * np.sqrt(np.maximum(1.0 - least**2, 0.0)) + ON
         on[on] = (least > _TURN) & (np.abs(found.distances(corners.mean(axis=1))) <= bound)
         return on
 
@@ -184,7 +183,7 @@ def _surface_at(facets, links, free, seed):
         points, tried = facets.points[facets.vertices(group)], [best] if best else []
         for kind in ROUND:
             surface = fit(kind, points, facets.rounds[group], facets.normals[group], facets.areas[group])
-            if surface is None or np.abs(surface.distances(points)).max() > _ON:
+            if surface is None or np.abs(surface.distances(points)).max() > ON:
                 continue
             if grown := _grown(facets, links, free, surface, seed):
                 centres = facets.points[facets.triangles[np.isin(facets.of, grown[1])]].mean(axis=1)

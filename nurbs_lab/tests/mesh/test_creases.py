@@ -137,8 +137,9 @@ class Bipyramid:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_triangles_are_joined_and_cut_at_the_least_cost(seed):
+def test_triangles_are_joined_and_cut_at_the_least_cost(seed, monkeypatch):
     """Against all pairs of six triangles, and all ways to halve their edges."""
+    monkeypatch.setattr(quads, "_MOST_WAYS", 50)  # fewer ways are enough to come near it
     solid, best = Bipyramid(seed), np.inf
     opposite, edges = solid.opposite, np.unique(solid.edge)
     for chosen in chain.from_iterable(combinations(edges[~solid.sharp[edges]], k) for k in range(4)):

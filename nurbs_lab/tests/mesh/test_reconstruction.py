@@ -207,7 +207,7 @@ def test_a_coarse_limb_with_thin_joints_has_the_planes_of_its_mesh():
     heights = np.concatenate([[0.0], 5.0 * np.arange(9) + 1.0, [42.0]])
     limb = trimesh.creation.revolve(np.column_stack([radii, heights]), sections=6)
     x, y, z = limb.vertices.T
-    turn = np.exp(0.02j * z) * (x + 1j * y) + 0.01 * z**2
+    turn = np.exp(0.02j * z) * (x + 1j * y) + 0.02 * z**2
     limb.vertices = np.column_stack([turn.real, turn.imag, z])
     made = reconstruct(limb, tolerance=0.21)
     assert made.within_tolerance
