@@ -14,7 +14,7 @@ constant (module)                        value    half           twice
 CUSP (finish), of the scallop            0.65     +35, +39 *     at 0.95 -6, +3 *; 1.03 scallops are left
 SAMPLES (finish), of the step-over       0.125    +1, +16 *      +2, +7 *; 1.38 scallops are left
 FINEST_SAMPLES (finish), diameters       1/80     at 1/64 1.007 of 0.03 left; 1/128 1.6 x a flat's time
-VAIN (finish), of the places             0.9      at 0.8 0.24 of 0.03 are left on a liver; 0.95: +5, +32
+CLOSER (finish), of the tolerance        0.25     +1, -13        +3, +8; at 1 3.6 x the bad places of a liver
 FIT (fit), of the tolerance              0.4      0, 0           at 0.48 +5, +8
 SHORTEST (fit), tolerances               0.1      0, 0 +         0, 0 +
 LOSS (fit), of the tolerance             0.08     +1, -2 *       +35, +128 *

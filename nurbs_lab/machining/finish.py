@@ -22,7 +22,7 @@ from nurbs_lab.nurbs.along import lengths_along
 CUSP = 0.65  # fraction of the scallop: height of cusps on a plane between the first passes
 SAMPLES = 0.125  # fraction of the step-over: spacing of the samples on which the remainder is measured
 FINEST_SAMPLES = 1 / 80  # fraction of the diameter: their least spacing
-VAIN = 0.9  # fraction of the places with too much left: further passes that leave more of them are not cut
+CLOSER = 0.25  # fraction of the tolerance: that of further passes, in gaps that the cutter just fits
 
 
 @one_or_many(send=without_cache)
@@ -112,34 +112,33 @@ def finish(
     left = {name: freeze(getattr(material.field, name).copy()) for name in ("origin", "z")}
     begun = stock if after is None else replace(material.field, **left)
     fitting = Fitting(part, cutter, tolerance)
-    bare = fitting.touch(0.25)  # a margin, as links are checked at points only
+    closer = replace(fitting, tolerance=max(CLOSER * tolerance, least))
+    bare = closer.touch(0.25)  # a margin, as links are checked at points only
     ways = ways_over(bare, material, floor, max(high, material.field.z.max()), feed, machine)
-
     plan = layout(fitting.touch(0.5), cutter, CUSP * scallop, floor)
-    paths, said = covering(fitting, plan, scallop, stock, after, material)
+    paths, said = covering(fitting, closer, plan, scallop, stock, after, material)
     if not paths:
         raise ValueError("there is nothing that this cutter can mill from above; use a smaller one")
     require_length(part, cutter, locations(paths))
     return replace(ways.program(ways.ordered(paths), tolerance, begun, said), after=after)
 
 
-def covering(fitting, plan, scallop, stock, after, material):
+def covering(fitting, closer, plan, scallop, stock, after, material):
     """Paths that leave no more than the scallop where the cutter reaches the part and ``after`` left more.
 
     What is left is measured on samples of the part, beyond what the cutter must leave there, and as material
     that stands above them. As the cutter is enlarged by half the tolerance, it does not enter gaps that it
-    just fits, so each round of further passes is twice as close as the one before. A warning says where more
-    is left.
+    just fits, so further passes come ``closer``. They are led through tips of the same enlarged cutter, as a
+    tip beside a jump, such as a wall, may be one that it cannot take. A warning says where more is left.
     """
     part, cutter = fitting.part, fitting.cutter
     spacing = max(SAMPLES * plan.step, FINEST_SAMPLES * cutter.diameter)
     samples = sample_surface(part, spacing)
     field = deepened(plan.field, plan.touch, samples)
     plan = replace(plan, field=field, slope=field.slope)
-    places = np.column_stack([field.places(), field.z.ravel()])
     samples = samples[visible(part, samples, field.floor, fitting.tolerance)]
-    touch = fitting.touch(0.0)
-    found, tips, gaps, places = at_rest(touch, cutter, samples, field.floor, fitting.tolerance, places)
+    touch, roomy = fitting.touch(0.0), closer.touch(0.5)
+    found, tips, gaps, places = at_rest(touch, roomy, samples, field.floor, fitting.tolerance, spacing)
     near = gaps < cutter.diameter  # not so in deep holes
     samples, found, tips, gaps = samples[near], found[near], tips[near], gaps[near]
     points, plan = samples.points, plan.with_steps(tips[found], samples.normals[found])
@@ -151,22 +150,18 @@ def covering(fitting, plan, scallop, stock, after, material):
     poor, before = far - gaps > scallop, np.inf
     first = plan.paths(tips[poor], tips[~poor])
     paths, fresh = [], longer_than(fitting.tolerance, fit_paths(fitting, first))
-    closer = fitting
-    while True:
+    while before:
         done = [*done, swept(cutter, locations(fresh))]
         far, _ = left_over(done[-1:], points, far, gaps + scallop)
-        some, over, deep, high = standing(touch, cutter, points, gaps, above, scallop, done, places)
+        some, over, deep, high = standing(roomy, cutter, points, gaps, above, scallop, done, places)
         now, above, done = far - gaps, np.zeros(len(points)), []
         now[some], tips[some], above[some] = deep, over, high
-        if np.count_nonzero(poor := now > scallop) > VAIN * before:
+        if np.count_nonzero(poor := now > scallop) >= before:
             break
         paths, left, before = paths + fresh, now[poor], np.count_nonzero(poor)
-        if not before:
-            break
         points, tips, gaps, far, above = (one[poor] for one in (points, tips, gaps, far, above))
-        more = replace(plan, touch=closer.touch(0.5)).paths_through(tips, left)
-        fresh = longer_than(fitting.tolerance, fit_paths(closer, more))
-        closer = replace(closer, tolerance=max(closer.tolerance / 2, SINGLE * extent(part.bounds)))
+        more = replace(plan, touch=roomy).paths_through(tips, left)
+        fresh = longer_than(closer.tolerance, fit_paths(closer, more))
     if left.max(initial=0.0) <= scallop + fitting.tolerance:
         return paths, ()
     said = (

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import maximum_filter
 
 from nurbs_lab.common.box_tree import order_along, tree_along
 from nurbs_lab.common.checks import lengths
@@ -11,7 +12,7 @@ from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining._kernels_contact import ROUNDING
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import NEEDLE, Contact, contact
-from nurbs_lab.machining.field import require_size
+from nurbs_lab.machining.field import empty_field, require_size
 from nurbs_lab.machining.part import SINGLE
 from nurbs_lab.machining.program import TOGETHER_MM
 
@@ -111,20 +112,24 @@ def reached(touch, samples, floor, tolerance):
     return found, tips
 
 
-def at_rest(touch, cutter, samples, floor, tolerance, places):
+def at_rest(touch, roomy, samples, floor, tolerance, spacing):
     """Which samples the cutter reaches, its nearest tips, how far from them they leave the samples, all tips.
 
     In a fillet that is too small for it, or between two edges, it rests on the part at a distance from the
-    samples. Its tip there is the nearest one of those in contact with samples, of those over the samples that
-    it does not reach, and of the ``places (n, 3)``. Distances of more than a diameter are a diameter, and
-    their tips any.
+    samples. Its tips are those in contact with samples and those on a grid of this ``spacing``, wherever the
+    cutter is over a sample that it does not reach, all of the contact ``roomy``. No gap exceeds a diameter.
     """
-    found, tips = reached(touch, samples, floor, tolerance)
-    xy, gaps = samples.points[~found, :2], np.zeros(len(found))
-    drops = np.column_stack([xy, touch.heights(xy, floor)])
-    places = swept(cutter, np.vstack([places, tips[found], drops]))
-    gaps[~found], tips[~found] = left_over([places], samples.points[~found], cutter.diameter)
-    return found, tips, gaps.clip(0.0), places
+    fits, tips = reached(roomy, samples, floor, tolerance)
+    found, radius, gaps, points = fits.copy(), touch.shape[3], np.zeros(len(fits)), samples.points[~fits]
+    found[~fits], _ = reached(touch, samples[~fits], floor, tolerance)
+    low, high = touch.part.bounds[:, :2] + [[-radius], [radius]]
+    field = empty_field(low, high, max(spacing, np.sqrt((high - low).prod() / MOST_SAMPLES)), floor, "")
+    field.z[field.index(points[:, :2])] = np.inf
+    xy = field.places()[np.isinf(maximum_filter(field.z, 2 * int(radius / field.step) + 1)).ravel()]
+    places = swept(touch, np.vstack([tips[fits], np.column_stack([xy, roomy.heights(xy, floor)])]))
+    gaps[~fits], resting = left_over([places], points, 2.0 * radius)
+    tips[~fits] = np.where((gaps[~fits] < 2.0 * radius)[:, None], resting, tips[~fits])
+    return found, tips, np.where(found, 0.0, gaps.clip(0.0)), places
 
 
 def visible(part, samples, floor, tolerance):

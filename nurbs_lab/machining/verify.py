@@ -155,8 +155,8 @@ def verify(program, part, *, spacing=None) -> Verification:
         done.append(swept(cutter, tips))
         left, _ = left_over(done[-1:], samples.points, before)
         if one is program or left[left < before].min(initial=np.inf) <= one.tolerance:
-            floor = part.bounds[0, 2]
-            fits, _, off, rest = at_rest(touch, cutter, samples, floor, one.tolerance, np.empty((0, 3)))
+            floor, wide = part.bounds[0, 2], SAMPLES * cutter.diameter
+            fits, _, off, rest = at_rest(touch, touch, samples, floor, one.tolerance, wide)
             if cutter.flat_radius:  # a level place may be anywhere under the disc
                 fits |= seen & (off < 2.0 * one.tolerance)
             found |= fits

@@ -177,6 +177,18 @@ def test_no_ramp_leads_through_what_the_rim_alone_meets():
     assert program.warnings == ()
 
 
+def test_where_the_cutter_does_not_fit_beside_a_wall_it_goes_where_it_does():
+    """Between a pocket's upright walls and a boss, tips that touch a wall were chased, by 30 retracts."""
+    sides = {"height": 10.0, "sections": 96}
+    rod, ring = trimesh.creation.cylinder(3.0, **sides), trimesh.creation.annulus(8.0, 12.0, **sides)
+    rod.apply_translation((1.5, 0.0, -2.0))
+    floor = trimesh.creation.cylinder(8.5, height=4.0, sections=96).apply_translation((0.0, 0.0, -3.0))
+    program = nl.finish(rod + ring + floor, CUTTERS["ball"], scallop=0.1, tolerance=0.02)
+    kinds = np.array([move.kind for move in program.moves])
+    assert program.warnings == ()
+    assert np.count_nonzero((kinds[1:] == "rapid") & (kinds[:-1] != "rapid")) < 20
+
+
 def test_links_along_one_line_and_back_have_no_cusp():
     part = trimesh.creation.cone(radius=6.0, height=9.0)
     program = nl.finish(part, nl.Cutter("ball", diameter=4.0), scallop=0.1, tolerance=0.02)

@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 import nurbs_lab as nl
 from nurbs_lab import machining
+from nurbs_lab.mesh import samples
 from nurbs_lab.tests.machining.shapes import CUTTERS, WIDE, shallow_slot
 
 
@@ -65,3 +66,29 @@ def test_no_pillar_stays_that_passes_come_near_on_all_sides():
     assert nl.verify(program, cone).percentile(100) < 0.5
     beside = [move for move in program.moves if np.hypot(*move.curve.control_points[:, :2].T).min() > 2.5]
     assert 1.9 < nl.verify(replace(program, moves=beside), cone).percentile(100) < 2.1
+
+
+def lowest_ball(tips, x, y, r):
+    """Height at each ``x, y`` below which no ball with one of these tips reaches."""
+    out, near = np.empty(x.shape), cKDTree(tips[:, :2])
+    for i in np.ndindex(x.shape):
+        some = tips[near.query_ball_point((x[i], y[i]), 0.999 * r)]
+        square = ((some[:, :2] - (x[i], y[i])) ** 2).sum(axis=1)
+        out[i] = (some[:, 2] + r - np.sqrt(r * r - square)).min()
+    return out
+
+
+def test_the_cutter_rests_between_edges_where_it_takes_most():
+    """By a field of heights of what the ball can take, from a drop-cutter, and of what is cut."""
+    mesh, ball = samples.frog_organ("eye_white"), nl.Cutter("ball", 6.0, length=60.0)
+    moves = nl.finish(mesh, ball, scallop=0.1, tolerance=0.02).moves
+    x, y = np.meshgrid(np.arange(398.0, 401.0, 0.1), np.arange(202.0, 206.0, 0.1), indexing="ij")
+    wide = [np.arange(low - 3.1, high + 3.1, 0.1) for low, high in ((398.0, 401.0), (202.0, 206.0))]
+    around = np.stack(np.meshgrid(*wide), axis=-1).reshape(-1, 2)
+    resting = np.column_stack([around, nl.drop_cutter(mesh, ball, around).clip(mesh.bounds[0, 2])])
+    curves = [move.curve for move in moves if move.kind != "rapid"]
+    cut = np.concatenate([one(np.linspace(*one.domain, int(one.length() / 0.05) + 2)) for one in curves])
+    possible = lowest_ball(resting, x, y, 3.0)
+    slope = np.hypot(*np.gradient(possible, 0.1))
+    left = (lowest_ball(cut, x, y, 3.0) - possible) / np.hypot(1.0, slope)
+    assert left[slope < 1.5].max() < 0.12  # 1.2 scallops
