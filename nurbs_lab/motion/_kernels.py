@@ -321,25 +321,3 @@ def speed_limits(tangents, curvatures, along, period, axis_speed, axis_accelerat
                 if cross > 0.0:
                     room = axis_acceleration[i] * abs(t[j]) + axis_acceleration[j] * abs(t[i])
                     out[4, k] = min(out[4, k], sqrt(room / cross))
-
-
-@kernel
-def limits_used(geometry, motion, acceleration, axis_acceleration, axis_jerk, out):
-    """Fill ``out`` with the parts used of the acceleration of the vector, and of that and the jerk of axes.
-
-    ``geometry`` holds unit tangents, curvature vectors and their rates, ``motion`` speeds, accelerations and
-    jerks along the path.
-    """
-    (tangents, curvatures, rates), (speeds, accelerations, jerks) = geometry, motion
-    out[:] = 0.0
-    for k in range(speeds.size):
-        v, a, j, square = speeds[k], accelerations[k], jerks[k], 0.0
-        if not v > 0.0:
-            continue
-        for i in range(tangents.shape[1]):
-            t, n = tangents[k, i], curvatures[k, i]
-            vector, change = a * t + v * v * n, j * t + 3.0 * v * a * n + v * v * v * rates[k, i]
-            square += vector * vector
-            out[1, k] = max(out[1, k], abs(vector) / axis_acceleration[i])
-            out[2, k] = max(out[2, k], abs(change) / axis_jerk[i])
-        out[0, k] = sqrt(square) / acceleration

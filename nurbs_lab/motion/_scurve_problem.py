@@ -157,10 +157,13 @@ class Block:
     def _for_phases(self, middle):
         """The block that bounds the jerks of the phases of each cell by way of those at its ends."""
         used, along = self._used(middle), largest(self.turns[:, :, 0])
-        jerks = self._phases(middle)[1].reshape(-1, 3)
-        more = largest(jerks) - used["jerk"] * self.jerk
+        (squares, slopes), ends = self.squares(middle), used["jerk"] * self.jerk
+        bent, both = slopes[:-1] - slopes[1:], np.abs(slopes[1:] + slopes[:-1])
+        top = bent * np.diff(self.nodes) / (12.0 * np.minimum(*_sides(squares)))
+        more = largest(self._phases(middle)[1].reshape(-1, 3)) - ends
+        more = np.maximum(more, np.where(both < 3.0 * bent, ends * top, 0.0))
         more *= np.maximum(1.0 / self.jerk, 2.0 * along)
-        parts = 1.0 + np.maximum(more, 0.0)
+        parts = 1.0 / (1.0 - np.clip(more, 0.0, 0.5))
         with np.errstate(divide="ignore"):
             most = 1.0 / np.maximum(used["jerk"], used.get("axis_jerk", 0.0))
         return replace(self, parts=np.minimum(parts, 0.5 * (self.parts + most)))

@@ -2,15 +2,15 @@
 
 import numpy as np
 
+from nurbs_lab.common.checks import largest
+from nurbs_lab.common.checks import lengths as lengths_of
 from nurbs_lab.motion import _kernels
-from nurbs_lab.motion.feed import MOST_SAMPLES
-from nurbs_lab.motion.limits import NAMES
+from nurbs_lab.motion.feed import MOST_SAMPLES, largest_motion
+from nurbs_lab.motion.limits import NAMES, OF_AXES
 from nurbs_lab.motion.scan import arc_lengths, path_derivatives
 
 #: Where limits are checked in a cell between two samples of the path, as parts of it.
 _INSIDE = np.clip(np.linspace(0.0, 1.0, 5), 1e-9, 1.0 - 1e-9)
-#: Name of the acceleration of the vector, beside that along the path.
-VECTOR = "acceleration of the vector"
 #: Limits that follow from the curve and allow a speed, whatever the acceleration.
 BY_SPEED = "chord_error", "centripetal_acceleration", "axis_speed"
 #: So often the places are twice as dense where a limit may be exceeded between them.
@@ -27,7 +27,7 @@ def excesses(path, limits, profile):
     """
     found, by_chords = _along(limits, profile), _has_chords(limits, profile)
     if limits.of_the_curve:
-        found += _on_lines(path, limits, profile, by_chords)
+        found += _on_lines(path, limits, profile)
         for k in np.flatnonzero([not track.straight for track in path.tracks]):
             samples = path.u[path.curve == k]
             found += _on_curve(path.tracks[k], path.origins[k], samples, limits, profile, by_chords)
@@ -51,70 +51,58 @@ def _has_chords(limits, profile):
 
 def _along(limits, profile):
     """Speed, acceleration and jerk along the path, from the segments."""
-    _, h, s, v, a, j = profile.segments.T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        level = np.clip(np.nan_to_num(-a / j), 0.0, h)
-    fastest = np.max([v, v + h * (a + 0.5 * h * j), v + level * (a + 0.5 * level * j)], axis=0)
+    _, h, s, *motion = profile.segments.T
+    fastest, steepest = largest_motion(h, *motion)
     stop = np.append(s[1:], profile.length)
-    steepest = np.maximum(np.abs(a), np.abs(a + j * h))
     rows = [("speed", fastest / limits.speed), ("acceleration", np.sqrt(steepest / limits.acceleration))]
     if limits.jerk is not None:
-        rows.append(("jerk", np.cbrt(np.abs(j) / limits.jerk)))
+        rows.append(("jerk", np.cbrt(np.abs(motion[2]) / limits.jerk)))
     return [(name, s, stop, factors) for name, factors in rows]
 
 
-def _on_lines(path, limits, profile, by_chords):
-    """Limits of axes where the path is straight, which alone depend on its direction."""
+def _on_lines(path, limits, profile):
+    """Limits of axes where the path is straight: those along it, by its direction."""
     straight = np.array([track.straight for track in path.tracks])[path.curve]
     if not (straight.any() and limits.of_axes):
         return []
-
-    def behind(middle):  # the next sample is on the same side of a knot
-        return np.searchsorted(path.lengths, middle).clip(max=len(straight) - 1)
-
-    def seen(places, middle):
-        tangents = path.tangents[behind(middle)]
-        return places, np.stack([tangents, 0.0 * tangents, 0.0 * tangents])
-
-    ends = np.unique(np.concatenate([path.lengths, _met(limits, profile)]))
-    cells = np.column_stack([ends[:-1], ends[1:]])[straight[behind(0.5 * (ends[1:] + ends[:-1]))]]
-    return _in_cells(cells[np.ptp(cells, axis=1) > 1e-12 * path.length], seen, limits, profile, by_chords)
+    ends = np.unique(np.concatenate([path.lengths, profile.terms[:, 0]]).clip(0.0, profile.length))
+    behind = np.searchsorted(path.lengths, 0.5 * (ends[1:] + ends[:-1]))  # on the same side of a knot
+    cells = np.flatnonzero(straight[behind] & (np.diff(ends) > 1e-12 * path.length))
+    (start, stop), times = (ends[cells], ends[cells + 1]), profile.time_at(ends)
+    first, last = times[cells], times[cells + 1]
+    t, _, _, v, a, j = profile.segments[np.searchsorted(profile.times, 0.5 * (first + last)) - 1].T
+    gone, directions = first - t, path.tangents[behind[cells]]
+    fastest, steepest = largest_motion(last - first, v + gone * (a + 0.5 * gone * j), a + gone * j, j)
+    motion = (fastest, np.positive), (steepest, np.sqrt), (np.abs(j), np.cbrt)
+    most = limits.axis_speed, limits.axis_acceleration, limits.axis_jerk
+    return [
+        (name, start, stop, root(largest(directions / limit) * size))
+        for name, limit, (size, root) in zip(OF_AXES, most, motion, strict=True)
+        if limit is not None
+    ]
 
 
 def _on_curve(track, origin, samples, limits, profile, by_chords):
-    """Limits that depend on the curve, inside every cell between samples, knots and ends of segments."""
+    """Limits that depend on the curve, inside every cell between samples, knots and ends of segments.
 
-    def seen(u, middle):
-        s = origin + arc_lengths(track, np.concatenate([breaks[:1], u, breaks[-1:]]))[1:-1]
-        return s, path_derivatives(track, track.spans_at(middle), u)
-
-    breaks, met = track.spans[0], _met(limits, profile) - origin
+    They are checked at places, which are denser where a limit may be exceeded between two.
+    """
+    breaks, rows = track.spans[0], []
+    # one of three where these are phases of one acceleration
+    met = profile.terms[1 :: 3 if limits.soft and limits.axis_jerk is None else 1, 0] - origin
     met = met[(met > 0.0) & (met < track.length)]
     ends = np.unique(np.concatenate([samples, breaks, track.parameters_at(met)]))
-    cells = np.column_stack([ends[:-1], ends[1:]])
     wide = np.diff(ends) > 1e-12 * (breaks[-1] - breaks[0])  # in others rounding takes one side for the other
-    return _in_cells(cells[wide], seen, limits, profile, by_chords)
-
-
-def _met(limits, profile):
-    """Lengths at which the motion changes, but one of three where these are phases of one acceleration."""
-    return profile.terms[1 :: 3 if limits.soft and limits.axis_jerk is None else 1, 0]
-
-
-def _in_cells(cells, seen, limits, profile, by_chords):
-    """Rows of `excesses` at places in cells ``(n, 2)``, denser where a limit may be exceeded between two.
-
-    ``seen`` tells, of places and of what is on the same side of knots, lengths and the geometry of the path.
-    """
-    rows = []
+    cells = np.column_stack([ends[:-1], ends[1:]])[wide]
     for _ in range(1 + _NEARER):
         places = cells[:, :1] + np.diff(cells, axis=1) * _INSIDE
-        s, geometry = seen(places.ravel(), np.repeat(places[:, len(_INSIDE) // 2], len(_INSIDE)))
-        t = np.empty(len(s))
+        u, inside = places.ravel(), np.repeat(places[:, len(_INSIDE) // 2], len(_INSIDE))
+        s = origin + arc_lengths(track, np.concatenate([breaks[:1], u, breaks[-1:]]))[1:-1]
+        geometry, t = path_derivatives(track, track.spans_at(inside), u), np.empty(len(s))
         _kernels.times_at(*profile.table, np.clip(s, 0.0, profile.length), t)
-        v, within = profile.speed(t), _off_the_joints(profile, s, t)
-        v[(s < 0.0) | (s > profile.length)] = 0.0  # the profile begins or ends within the curve
-        motion = v, profile.acceleration(within), profile.jerk(within)
+        within = _off_the_joints(profile, s, t)
+        motion = np.stack([profile.speed(t), profile.acceleration(within), profile.jerk(within)])
+        motion *= (s >= 0.0) & (s <= profile.length)  # it begins or ends within the curve
         found = [(name, s, s, used) for name, used in _used(geometry, limits, motion, by_chords)]
         rows, cells = rows + found, _doubtful(places, found)
         if not len(cells):
@@ -140,18 +128,19 @@ def _doubtful(places, rows):
 
 def _used(geometry, limits, motion, by_chords):
     """Factors by which a motion (v, a, j) is too fast for each limit that the curve decides."""
-    rows = []
-    caps = dict(zip(NAMES, limits.speed_table(*geometry[:2]), strict=False))
-    for name in BY_SPEED:
-        if getattr(limits, name) is not None and not (by_chords and name == "chord_error"):
-            rows.append((name, motion[0] / caps[name]))
-    most = None if limits.tangential_only else limits.acceleration, limits.axis_acceleration, limits.axis_jerk
-    free, parts = np.full(geometry[0].shape[1], np.inf), np.empty((3, len(motion[0])))
-    given = (none if limit is None else limit for limit, none in zip(most, (np.inf, free, free), strict=True))
-    _kernels.limits_used(geometry, motion, *given, parts)
-    roots = {VECTOR: np.sqrt, "axis_acceleration": np.sqrt, "axis_jerk": np.cbrt}
-    found = zip(roots.items(), parts, most, strict=True)
-    return rows + [(name, root(part)) for (name, root), part, limit in found if limit is not None]
+    (tangents, curvatures, rates), (v, a, j) = geometry, (one[:, None] for one in motion)
+    caps = dict(zip(NAMES, limits.speed_table(tangents, curvatures), strict=False))
+    given = [name for name in BY_SPEED if getattr(limits, name) is not None]
+    rows = [(name, motion[0] / caps[name]) for name in given if not (by_chords and name == "chord_error")]
+    vector = a * tangents + v * v * curvatures
+    if not limits.tangential_only:
+        rows.append(("acceleration", np.sqrt(lengths_of(vector) / limits.acceleration)))
+    if limits.axis_acceleration is not None:
+        rows.append(("axis_acceleration", np.sqrt(largest(vector / limits.axis_acceleration))))
+    if limits.axis_jerk is not None:
+        change = j * tangents + v * (3.0 * a * curvatures + v * v * rates)
+        rows.append(("axis_jerk", np.cbrt(largest(change / limits.axis_jerk))))
+    return rows
 
 
 def _off_the_joints(profile, lengths, times):

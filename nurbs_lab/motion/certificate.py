@@ -22,7 +22,7 @@ import numpy as np
 from nurbs_lab.common.values import Value
 from nurbs_lab.motion import _scurve_kernels
 from nurbs_lab.motion._scurve_problem import FALL, LIMITS, STEPS
-from nurbs_lab.motion._verify import VECTOR, excesses
+from nurbs_lab.motion._verify import excesses
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import SCAN_TOLERANCE, TURN, scan
 from nurbs_lab.motion.scurve import WHOLE, limits_on, s_curve
@@ -70,7 +70,6 @@ def certify(feed):
     uses = {}
     for name, _, _, factors in excesses(path, limits, feed):
         power = {"jerk": 3.0, "axis_jerk": 3.0, "speed": 1.0, "axis_speed": 1.0}.get(name, 2.0)
-        name = "acceleration" if name == VECTOR else name
         uses[name] = max(uses.get(name, 0.0), float(factors.max()) ** power)
     hard = replace(limits, jerk=None, axis_jerk=None)
     least = _without_jerk(track, hard, ends)

@@ -96,10 +96,7 @@ class FeedProfile(Value):
     @cached_property
     def peak(self):
         """Largest commanded speed, in mm/s."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            level = -self.terms[:, 2] / (3.0 * self.terms[:, 3])  # where the acceleration is zero
-        inner = self.times[:-1] + np.clip(np.nan_to_num(level), 0.0, np.diff(self.times))
-        return float(np.max(self.speed(np.append(inner, self.times))))
+        return float(largest_motion(*self.segments.T[[1, 3, 4, 5]])[0].max())
 
     @cached_property
     def rests(self):
@@ -256,6 +253,14 @@ class FeedProfile(Value):
         changes = [k for k in range(1, len(names)) if names[k] != names[k - 1]]
         bounds = [0, *changes, len(names)]
         return [(float(self.times[a]), float(self.times[b]), names[a]) for a, b in itertools.pairwise(bounds)]
+
+
+def largest_motion(h, v, a, j):
+    """Largest speeds and accelerations of phases of constant jerk, from how long they last and begin."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        level = np.clip(np.nan_to_num(-a / j), 0.0, h)  # where the acceleration is zero
+    fastest = np.max([v, v + h * (a + 0.5 * h * j), v + level * (a + 0.5 * level * j)], axis=0)
+    return fastest, np.maximum(np.abs(a), np.abs(a + j * h))
 
 
 def constant_feed(length, speed, period_s):

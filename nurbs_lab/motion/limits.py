@@ -10,6 +10,8 @@ from nurbs_lab.motion import _kernels
 
 #: The limits that say how fast the tool may pass a place of the path.
 NAMES = "speed", "chord_error", "centripetal_acceleration", "axis_speed", "axis_acceleration"
+#: Those of axes: of their speed, acceleration and jerk.
+OF_AXES = "axis_speed", "axis_acceleration", "axis_jerk"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -79,7 +81,7 @@ class Limits(Value):
     def in_dimensions(self, dim):
         """The same limits with one number for each of ``dim`` axes."""
         rows = {}
-        for name in ("axis_speed", "axis_acceleration", "axis_jerk"):
+        for name in OF_AXES:
             value = getattr(self, name)
             if value is not None:
                 if np.shape(value) not in ((), (dim,)):
@@ -119,7 +121,7 @@ class Limits(Value):
     @property
     def of_axes(self):
         """Whether any limit is one of axes."""
-        return any(limit is not None for limit in (self.axis_speed, self.axis_acceleration, self.axis_jerk))
+        return any(getattr(self, name) is not None for name in OF_AXES)
 
     @property
     def of_the_curve(self):

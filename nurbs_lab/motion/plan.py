@@ -6,7 +6,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_not_negative
 from nurbs_lab.common.executor import one_or_many
-from nurbs_lab.motion._verify import BY_SPEED, VECTOR, chord_excesses, excesses, worst
+from nurbs_lab.motion._verify import BY_SPEED, chord_excesses, excesses, worst
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import scan
@@ -19,10 +19,10 @@ _ROUNDS = 16
 _ROUNDED = 1e-7
 #: Columns of `Scan.parts` that are lowered where a limit is exceeded, each by a power of the factor in speed.
 _LOWERED = dict.fromkeys(("speed", *BY_SPEED), ((0, 1),))
-_LOWERED |= dict.fromkeys(("acceleration", VECTOR, "axis_acceleration"), ((0, 1), (1, 2)))
+_LOWERED |= dict.fromkeys(("acceleration", "axis_acceleration"), ((0, 1), (1, 2)))
 _LOWERED |= {"axis_jerk": ((0, 1), (2, 3)), "jerk": ((3, 3),)}
-#: Factor of a limit that is cured by slowing down the whole motion instead of planning it again; a motion
-#: that is planned again is slower by as much more.
+#: Factor of a limit, for each motion tried, that is cured by slowing down the whole motion; one that is
+#: planned again instead is slower by as much more.
 _TOLERATED = 1.0 + 1e-5
 
 
@@ -125,7 +125,7 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
         if factor <= 1.0 + _ROUNDED and (slowed or gone is None):
             return profile
         again = slowed and ends.any()  # a slower motion between moving ends is no slow copy of the first
-        most = 1.0 + _ROUNDED if again else _TOLERATED
+        most = 1.0 + _ROUNDED if again else _TOLERATED**number
         slower = (gone or 0.0) + profile.duration * np.array([1.0, factor])
         whole = np.ceil(slower / limits.period_s - 1e-9)
         costs = gone is None or ends.any() or whole[1] > whole[0]  # to slow it down

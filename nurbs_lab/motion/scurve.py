@@ -225,6 +225,7 @@ def _through(nodes, places):
 
 def limits_on(path, limits, nodes, speeds, margin):
     """The limits that `Block` holds, from caps to jerk, all of the true curve at both ends of every cell."""
+    path = path if limits.axis_jerk is not None else _with_room(path, limits, nodes)
     half = 0.5 * (nodes[1:] + nodes[:-1])
     sides = [path.geometry(at, half)[1:] for at in (nodes[:-1], nodes[1:])]
     parts = extremes_between(nodes, path.lengths, path.parts)[0]
@@ -268,6 +269,21 @@ def limits_on(path, limits, nodes, speeds, margin):
         turns = np.moveaxis(np.stack(turns), (2, 3, 0, 1), (0, 1, 2, 3)).reshape(len(half), -1, 3)
     steepest, jerk = limits.acceleration * room, limits.jerk * parts[:, 3]
     return (caps * parts[:, 0]) ** 2, causes, along, across, steepest, kappas, turns, jerk
+
+
+def _with_room(path, limits, nodes):
+    """The path whose corners leave room for what changes the speed in the outer cells of their zones.
+
+    Two periods around the corner see the acceleration there, which grows with the jerk from the node inside,
+    the less the farther away it is.
+    """
+    (start, stop, held, _), axes = path.zones.T, limits.axis_acceleration
+    half, steepest = 0.5 * (stop - start), min(limits.acceleration, np.inf if axes is None else axes.min())
+    first, last = np.searchsorted(nodes, start + 1e-9 * half), np.searchsorted(nodes, stop - 1e-9 * half) - 1
+    parts = np.clip(np.stack([nodes[first] - start, stop - nodes[last]]) / half, 0.0, 1.0)
+    grown = np.minimum(limits.jerk * limits.period_s / steepest * parts / 3.0, 1.0)
+    seen = np.minimum((0.5 * parts**2 * grown).sum(axis=0), 0.5)
+    return replace(path, zones=np.column_stack([path.zones[:, :2], held * (1.0 - seen), path.zones[:, 3]]))
 
 
 def _around_nodes(path, nodes, sides):

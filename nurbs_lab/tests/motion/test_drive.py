@@ -299,3 +299,16 @@ def test_corners_of_one_period_are_added_as_vectors(shape, jerks):
             assert np.linalg.norm(found, axis=1).max() <= limits["acceleration"] * (1.0 + 1e-6)
         name = "axis_acceleration" if order == 2 else "axis_jerk"
         assert np.abs(found).max() <= limits.get(name, np.inf) * (1.0 + 1e-6)
+
+
+def test_a_corner_leaves_room_for_what_speeds_up_in_the_last_cell_of_its_zone():
+    """One of eight was 1.5e-4 beyond the acceleration of an axis in the two periods around it."""
+    steps = np.random.default_rng(3).normal(size=(9, 2)) * 2.0
+    points = np.cumsum(np.vstack([[0.0, 0.0], steps]), axis=0)
+    limits = {"speed": 100.0, "acceleration": 2000.0, "jerk": 2e5, "axis_acceleration": 150.0}
+    period, curve = 1e-3, nl.interpolate_curve(points, 1)
+    feed = nl.plan_feed(curve, **limits, period_s=period)
+    at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    starts = feed.time_at(at[1:-1]) - period
+    found = np.abs(_differences(points, starts, feed, 2, period)).max()
+    assert 0.99 * limits["axis_acceleration"] <= found <= (1.0 + 1e-6) * limits["axis_acceleration"]

@@ -11,6 +11,7 @@ import nurbs_lab as nl
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import scan
+from nurbs_lab.motion.scurve import WHOLE, s_curve
 
 LINE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0, 0), (6, 8, 0)])
 CURVE = nl.paper.CURVE
@@ -182,6 +183,15 @@ def test_each_of_many_equal_corners_takes_as_long_as_each_of_a_few():
         seconds[corners] = nl.plan_feed(zigzag, **limits, period_s=1e-3).duration
     each = (seconds[20] - seconds[10]) / 10.0
     assert seconds[600] == pytest.approx(seconds[20] + 580.0 * each, rel=0.025)
+
+
+def test_the_first_motion_keeps_its_jerk_where_the_speed_is_highest():
+    """Within a cell speed and jerk are higher than at its ends, so that the motion was planned twice."""
+    points = np.cumsum(np.random.default_rng(3).normal(size=(1002, 2)) * 2.0, axis=0)
+    limits = Limits(100.0, 2000.0, 5e4, period_s=1e-3)
+    path = scan(prepare(nl.interpolate_curve(np.vstack([[0.0, 0.0], points]), 1)), limits)
+    profile = s_curve(path, limits, np.zeros(2), WHOLE).profile
+    assert np.abs(profile.segments[:, 5]).max() <= 5e4 * (1.0 + 3e-7)
 
 
 def test_a_stage_that_converges_slowly_is_not_cut_short():
