@@ -153,7 +153,7 @@ def covering(fitting, closer, plan, scallop, stock, after, material):
     while before:
         done = [*done, swept(cutter, locations(fresh))]
         far, _ = left_over(done[-1:], points, far, gaps + scallop)
-        some, over, deep, high = standing(roomy, cutter, points, gaps, above, scallop, done, places)
+        some, over, deep, high = standing(roomy, cutter, points, above, scallop, done, places)
         now, above, done = far - gaps, np.zeros(len(points)), []
         now[some], tips[some], above[some] = deep, over, high
         if np.count_nonzero(poor := now > scallop) >= before:

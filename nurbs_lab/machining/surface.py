@@ -138,13 +138,12 @@ def visible(part, samples, floor, tolerance):
     return (samples.points[:, 2] >= floor - tolerance) & ~Contact(part, NEEDLE, 0.0).collides(above)
 
 
-def standing(touch, cutter, points, gaps, above, height, done, places):
+def standing(touch, cutter, points, above, height, done, places):
     """Points above which a cutter at rest takes more than ``height``.
 
     Returned are their numbers, the tips there, how much it takes, and how much stands above the points.
     Beside a pass that comes near a point, a pillar may stand on it. ``above (n,)`` is how high the stock is
-    over the points. ``done`` are cutters at their tips, and ``places`` this one at tips at rest, which are
-    ``gaps (n,)`` from the points, and take no more of a pillar than what is higher.
+    over the points. ``done`` are cutters at their tips, and ``places`` this one at tips at rest.
     """
     some = np.flatnonzero((above > height) & (above < np.inf) & (height < cutter.radius))
     points, above, ball = points[some], above[some], Cutter("ball", diameter=2.0 * height)
@@ -154,8 +153,6 @@ def standing(touch, cutter, points, gaps, above, height, done, places):
     stand[stand] = left_over(done, far[stand], SINGLE * height, 0.0)[0] > 0.0
     some, tops = some[stand], points[stand]
     above, _ = left_over(done, tops, above[stand], upright=True)
-    high = above - gaps[some] > height
-    some, tops, above = some[high], tops[high], above[high]
     tops[:, 2] += above
     over = swept(cutter, np.column_stack([tops[:, :2], touch.heights(tops[:, :2])]))
     deep, tips = left_over([over, places], tops, -height)

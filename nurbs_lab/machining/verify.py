@@ -160,16 +160,16 @@ def verify(program, part, *, spacing=None) -> Verification:
             if cutter.flat_radius:  # a level place may be anywhere under the disc
                 fits |= seen & (off < 2.0 * one.tolerance)
             found |= fits
-            rests.append((touch, cutter, rest, fits, off))
+            rests.append((touch, cutter, rest, fits))
             gaps = np.minimum(gaps, np.where(off < cutter.diameter, off, np.inf))
     stock = as_stock(chain[0].stock, part)
     above = material_of(stock, program.cutter).above(samples.points)
     if chain[0].stock is not None:
         left = np.minimum(left, above if program.after is None else depths(stock, above, samples.points))
     left = left - gaps
-    for touch, cutter, rest, fits, off in rests:
+    for touch, cutter, rest, fits in rests:
         high = max(left[fits].max(initial=0.0), program.tolerance)
-        some, _, deep, _ = standing(touch, cutter, samples.points, off, above, high, done, rest)
+        some, _, deep, _ = standing(touch, cutter, samples.points, above, high, done, rest)
         left[some] = deep
     seen, narrow = seen | found, seen & ~found
     bridged, left = left[narrow].clip(0.0), left[found]
