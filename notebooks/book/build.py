@@ -121,7 +121,10 @@ def build(target) -> int:
         titles = {file.stem: stage(file, source) for file in sorted(NOTEBOOKS.glob("*.ipynb"))}
         (source / "index.md").write_text(front(titles))
         trees = str(source / "trees")  # Sphinx's own notes, no part of the site
-        return build_main(["-q", "-W", "--keep-going", "-d", trees, str(source), str(target)])
+        status = build_main(["-q", "-W", "--keep-going", "-d", trees, str(source), str(target)])
+    for file in Path(target).rglob("*.map"):  # of the theme's scripts, for their authors
+        file.unlink()
+    return status
 
 
 if __name__ == "__main__":
