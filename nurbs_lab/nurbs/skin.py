@@ -12,7 +12,7 @@ import numpy as np
 
 from nurbs_lab.common import checks
 from nurbs_lab.nurbs import refinement
-from nurbs_lab.nurbs.along import lengths_along
+from nurbs_lab.nurbs.along import lengths_along, points_along
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 from nurbs_lab.nurbs.interpolate import (
     drop_repeated_end,
@@ -194,7 +194,8 @@ def _pieces(sections, around):
             bounds = [0, *at, len(line) - 1]
         parts = [line[a : b + 1] for a, b in pairwise(bounds)]
         out.append(_facing(parts, out[-1]) if out and around else parts)
-    if around and any(_astray(parts, before) for before, parts in pairwise(out)):
+    rings = [parts for parts, line in zip(out, lines, strict=True) if around and len(line) > 1]
+    if any(_astray(parts, before) for before, parts in pairwise(rings)):
         return None
     return out
 
@@ -223,11 +224,10 @@ def _astray(parts, before):
     """Whether a corner of a closed section is not opposite that of the section before, as noise has them."""
     starts, samples = [], []
     for pieces in (parts, before):
-        way = np.concatenate([[0.0], np.cumsum([lengths_along(piece)[-1] for piece in pieces])])
-        starts.append(way[:-1] / max(way[-1], 1e-300))
         line = np.concatenate([pieces[0][:1], *(piece[1:] for piece in pieces)])
-        along = np.linspace(0.0, way[-1], DENSE, endpoint=False)
-        samples.append(np.column_stack([np.interp(along, lengths_along(line), x) for x in line.T]))
+        way, at = lengths_along(line), np.cumsum([0, *(len(piece) - 1 for piece in pieces[:-1])])
+        starts.append(way[at] / way[-1])
+        samples.append(points_along(line, way[-1] * np.linspace(0.0, 1.0, DENSE, endpoint=False)))
     apart = starts[0] - starts[1] - seam_shift(*samples)[0]
     return np.abs(apart - np.round(apart)).max() > ASTRAY
 

@@ -220,6 +220,16 @@ def test_skin_keeps_a_corner_that_stays_and_none_that_jumps(elsewhere):
         assert_allclose(np.hypot(*tube(0.0, np.linspace(0, 1, 9))[:, :2].T), 1.25, atol=1e-9)
 
 
+def test_skin_of_a_pyramid_keeps_the_edges_up_to_its_apex():
+    square = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)])
+    rows = [np.column_stack([square * (4 - z) / 4, np.full(5, z)]) for z in range(4)]
+    pyramid = nl.skin([*rows, [(0.0, 0.0, 4.0)]], samples=43)
+    edges = np.concatenate(
+        [row * (1, 1, 0) * (4 - z - 0.5) / (4 - z) + (0, 0, z + 0.5) for z, row in enumerate(rows)]
+    )
+    assert pyramid.closest_point(edges)[1].max() < 1e-9
+
+
 @pytest.mark.parametrize("turn", [0.0, np.pi / 2, np.pi])
 @pytest.mark.parametrize("top", [2.0, 0.5, 0.0])
 def test_skin_of_circles_is_exact(turn, top):
