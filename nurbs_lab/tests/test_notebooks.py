@@ -1,5 +1,6 @@
 """Hygiene of the stored notebooks; that they reproduce is nbval's task."""
 
+import html
 import json
 import re
 from pathlib import Path
@@ -108,6 +109,28 @@ def test_exercises_are_folded_run_and_asserted(notebook):
         assert {"solution", "hide-cell"} <= set(cells[n + 1]["metadata"]["tags"])
         assert cells[n + 1]["metadata"]["jupyter"] == {"outputs_hidden": True, "source_hidden": True}
         assert "assert" in source(cells[n + 1])
+
+
+def letters(formula):
+    """The letters of a formula without indices, the d of a derivative and words; Greek ones in Unicode."""
+    formula = re.sub(r"\\(begin|end|mathrm|mathsf|text)\s*(\{[^}]*\}|\w)", " ", formula)
+    formula = re.sub(r"_(\{[^}]*\}|\w|\\\w+)|(?<!\w)d(?=[stux])", " ", formula)
+    formula = re.sub(r"\\(?:var)?([A-Za-z]+)", lambda name: html.unescape(f"&{name[1]};")[0], formula)
+    return set(re.findall("[A-Za-zΑ-Ωα-ω]", formula)) - set("xyzijklπ")
+
+
+def test_appendix_a_holds_every_letter_of_a_formula(notebook, request):
+    """In a row or a line that links to the notebook, or under a heading that does."""
+    name, listed, heading = request.node.callspec.id, set(), ""
+    appendix = json.loads((ROOT / "notebooks" / "A-symbols.ipynb").read_text())
+    for line in "\n".join(source(cell) for cell in appendix["cells"]).splitlines():
+        heading = line if line.startswith("#") else heading
+        if line.startswith(("| ", "- [")) and f"]({name}.ipynb)" in heading + line:
+            named = re.sub(r"\[[^]]*\]\([^)]*\)", "", line).strip("| ").split(" | ")[0]
+            listed |= letters(re.sub(r"(?<![\\A-Za-z])[A-Za-z]{2,}", " ", named))
+    prose = "\n".join(source(cell) for cell in notebook["cells"] if cell["cell_type"] == "markdown")
+    used = letters(" ".join(found[1] for found in re.findall(r"(\$\$?)([^$]+)\1", prose)))
+    assert name == "A-symbols" or used <= listed, f"no row in appendix A: {sorted(used - listed)}"
 
 
 def test_every_scene_turns_in_the_book(notebook):
