@@ -18,6 +18,7 @@ import synthesis  # noqa: E402
 
 STORED = json.loads((RTL / "synthesis.json").read_text())
 KOUT_MHZ = STORED.pop("kout_in_one_cycle_mhz")
+DIVISION_MHZ = STORED.pop("division_in_one_cycle_mhz")
 BUDGET = json.loads((RTL / "budget.json").read_text())
 
 
@@ -38,6 +39,7 @@ def test_the_stored_results_are_inside_the_budget():
     in_time = {name for name, clocks in KOUT_MHZ.items() if max(clocks) >= 50}
     assert in_time == {"a table of x and y, 8 bits"}
     assert min(KOUT_MHZ["a table of x and y, 8 bits"]) >= 50
+    assert max(DIVISION_MHZ["20 bits"]) < 50 <= min(DIVISION_MHZ["8 bits"])
 
 
 SLOPES = """
@@ -72,6 +74,31 @@ def test_kout_in_one_cycle_finds_the_slope(tmp_path, method, bits):
             assert abs(k - exact) <= part * exact + (0, 2, 1)[method]
             checked += 1
     assert checked > 1000
+
+
+QUOTIENTS = """
+module bench #(parameter integer W = 20);
+    reg clk = 0; reg [2*W-1:0] product; reg [W-1:0] length; wire [W-1:0] k; integer n, seed = 1;
+    divide_in_one_cycle #(.W(W)) dut (clk, product, length, k);
+    initial for (n = 0; n < 2000; n = n + 1) begin
+        length = $random(seed) >>> ($random(seed) & 7); product = {$random(seed), $random(seed)};
+        repeat (2) begin #1 clk = 1; #1 clk = 0; end
+        $display("%0d %0d %0d", product, length, k);
+    end
+endmodule
+"""
+
+
+@pytest.mark.parametrize("bits", [20, 8])
+def test_divide_in_one_cycle_finds_the_quotient(tmp_path, bits):
+    (tmp_path / "bench.v").write_text(QUOTIENTS)
+    sources = "bench.v", RTL / "synthesis" / "divide_in_one_cycle.v"
+    subprocess.run(["iverilog", f"-Pbench.W={bits}", "-o", "run", *sources], cwd=tmp_path, check=True)
+    done = subprocess.run(["vvp", "-n", "run"], cwd=tmp_path, check=True, capture_output=True, text=True)
+    rows = [tuple(map(int, line.split())) for line in done.stdout.splitlines()]
+    rows = [row for row in rows if row[0] >> bits < row[1]]  # else it overflows
+    assert len(rows) > 500
+    assert all(k == product // length for product, length, k in rows)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,10 @@ import synthesis
 
 RTL = Path(__file__).resolve().parents[1]
 measured, readme = synthesis.measure(), RTL / "README.md"
-stored = measured | {"kout_in_one_cycle_mhz": synthesis.kout_in_one_cycle_mhz()}
+stored = measured | {
+    "kout_in_one_cycle_mhz": synthesis.kout_in_one_cycle_mhz(),
+    "division_in_one_cycle_mhz": synthesis.division_in_one_cycle_mhz(),
+}
 (RTL / "synthesis.json").write_text(json.dumps(stored, indent=2) + "\n")
 text = synthesis.table(measured)
 marked = re.compile(r"(<!-- synthesis -->\n).*?(<!-- end of synthesis -->)", re.DOTALL)

@@ -82,12 +82,27 @@ def kout_in_one_cycle_mhz() -> dict:
     for number, bits in KOUT_DESIGNS:
         with workplace() as folder:
             write_tables(folder, number, bits)
-            read = "read_verilog -defer rtl/synthesis/kout_in_one_cycle.v; "
-            read += f"chparam -set METHOD {number} -set W {bits} kout_in_one_cycle; "
-            synthesize_ecp5(folder, read, "kout_in_one_cycle")
-            placements = [clock_mhz(place(folder, seed)) for seed in SEEDS[:3]]
-            clocks[f"{KOUT_METHODS[number]}, {bits} bits"] = placements
+            parameters = {"METHOD": number, "W": bits}
+            clocks[f"{KOUT_METHODS[number]}, {bits} bits"] = in_one_cycle(folder, "kout", parameters)
     return clocks
+
+
+def division_in_one_cycle_mhz() -> dict:
+    """The clocks at which its division alone would do so, by word."""
+    clocks = {}
+    for bits in (20, 8):
+        with workplace() as folder:
+            clocks[f"{bits} bits"] = in_one_cycle(folder, "divide", {"W": bits})
+    return clocks
+
+
+def in_one_cycle(folder, name, parameters):
+    """The clocks of three placements of a module between two registers, in MHz."""
+    top = f"{name}_in_one_cycle"
+    values = " ".join(f"-set {key} {value}" for key, value in parameters.items())
+    read = f"read_verilog -defer rtl/synthesis/{top}.v; chparam {values} {top}; "
+    synthesize_ecp5(folder, read, top)
+    return [clock_mhz(place(folder, seed)) for seed in SEEDS[:3]]
 
 
 def write_tables(folder, method, bits):
