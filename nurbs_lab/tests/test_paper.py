@@ -70,4 +70,7 @@ def test_the_list_of_what_to_read_first_leads_to_the_entries():
     page = "".join("".join(output.get("data", {}).get("text/markdown", "")) for output in outputs)
     led = set(re.findall(r'href="#([\w-]+)">', page))
     assert {claim.place for claim in CLAIMS if claim.verdict == "fails"} <= led
-    assert led <= set(re.findall(r'id="([\w-]+)"', page)) | {claim.check for claim in CLAIMS}
+    text = "\n".join("".join(cell["source"]) for cell in cells("B-the-paper"))
+    headings = set(re.findall(r"^### (\S+)$", text, re.MULTILINE))
+    assert led <= set(re.findall(r'id="([\w-]+)"', page)) | headings
+    assert {claim.check for claim in CLAIMS if claim.check} <= headings
