@@ -82,7 +82,7 @@ def _apexes(length):
     """The third corners of triangles whose half-edges run from 0 along the real axis."""
     half = np.arange(len(length))
     ahead, behind = length[after(half)], length[before(half)]
-    real = (length**2 + behind**2 - ahead**2) / (2.0 * length)
+    real = (length**2 + behind**2 - ahead**2) / np.maximum(2.0 * length, 1e-300)
     return real + 1j * np.sqrt(np.maximum(behind**2 - real**2, 0.0))
 
 

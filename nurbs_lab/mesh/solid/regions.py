@@ -17,7 +17,7 @@ from nurbs_lab.mesh.solid.quadrics import ON, ROUND, SAME, circumcentres, fit, i
 _TURN = np.cos(np.radians(40.0))  # between a facet and its surface
 _IN_VAIN = 25  # seeds in a row that give no surface, after which the rest has none
 _TOUCHING = 1e-4  # radians between normals of surfaces that touch
-_FEWEST = 4  # facets of a round surface, or of free form: so many connected ones that are left over
+_FEWEST = 4  # facets of free form that are left over; a round surface has the vertices of so many in a row
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,8 @@ def facets_of(points, triangles, sharp_angle, apart=False) -> Facets:
     opposite, corners = opposite_of(triangles), points[triangles]
     vectors = face_normals(points, triangles)
     doubled = np.linalg.norm(vectors, axis=1)
-    of = _coplanar(corners, unit(vectors), opposite, np.broadcast_to(apart, doubled.shape))
+    normals = unit(vectors)[_with_a_plane(corners, doubled, opposite)]
+    of = _coplanar(corners, normals, opposite, np.broadcast_to(apart, doubled.shape))
     vectors = np.column_stack([np.bincount(of, column) for column in vectors.T])
     order = np.lexsort((doubled, of))
     largest = order[np.searchsorted(of[order], np.arange(len(vectors)), side="right") - 1]
@@ -76,6 +77,17 @@ def facets_of(points, triangles, sharp_angle, apart=False) -> Facets:
         circumcentres(corners[largest])[0], sides[kept], triangles.ravel()[kept],
         turn > np.cos(np.radians(sharp_angle)),
     )  # fmt: skip
+
+
+def _with_a_plane(corners, doubled, opposite):
+    """Every triangle itself, or, as a needle has no plane, the triangle at its side of middle length."""
+    lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    own = np.arange(len(corners))
+    beside = opposite[3 * own + lengths.argsort(axis=1)[:, 1]] // 3
+    beside = np.where(doubled < SAME * lengths.max(axis=1), beside, own)
+    for _ in range(6):  # from needle to needle
+        beside = beside[beside]
+    return beside
 
 
 def _coplanar(corners, normals, opposite, apart):
@@ -213,7 +225,8 @@ def _grown(facets, links, free, surface, seed):
         if better is None or not better.sound():
             break
         surface = better
-    return (surface, taken) if len(taken) >= _FEWEST else None
+    told = len(facets.vertices(taken)) >= 2 * (_FEWEST + 1)
+    return (surface, taken) if told else None
 
 
 def _absorb(facets, found, label):

@@ -164,6 +164,14 @@ def test_triangles_are_joined_and_cut_at_the_least_cost(seed, monkeypatch):
     assert solid.cost(polygons, halved) == pytest.approx(best)
 
 
+def test_an_edge_without_length_is_joined_too():
+    solid = Bipyramid(0)
+    solid.vertices[0] = solid.vertices[solid.tails[1 if solid.tails[0] == 0 else 0]]
+    mesh = Surfels(solid.vertices, solid.triangles, solid.opposite, solid.sharp, np.full(5, CORNER), 0.0)
+    divided = quads.divide(mesh, solid.triangles, solid.opposite, solid.sharp)
+    assert sorted({h // 3 for sides, *_ in divided for h in sides.ravel().tolist()}) == list(range(6))
+
+
 def test_triangles_all_of_whose_edges_are_sharp_are_divided_alone():
     mesh = trimesh.creation.icosahedron()
     made = reconstruct(mesh, tolerance=0.01, faces="patches")

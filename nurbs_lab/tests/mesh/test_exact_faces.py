@@ -372,6 +372,42 @@ def test_a_pointed_hole_is_exact_however_fine_its_mesh(distance):
     assert result.volume == pytest.approx(24_000.0 - np.pi * 14.0**3 / 9.0, rel=1e-5)
 
 
+@pytest.mark.parametrize("sides", [4, 5])
+def test_facets_lie_on_no_cylinder_only_because_they_are_symmetric(sides):
+    """Any six vertices that half a turn maps onto themselves lie on one: twisted limbs were 5 % too large."""
+    radii = np.concatenate([[0.0], np.tile([0.02, 0.8, 1.2, 0.7], 2), [0.02, 0.0]]) * 1.5
+    heights = np.concatenate([[0.0], 5.0 * np.arange(9) + 1.0, [42.0]])
+    limb = trimesh.creation.revolve(np.column_stack([radii, heights]), sections=sides)
+    x, y, z = limb.vertices.T
+    turn = np.exp(0.01j * z) * (x + 1j * y)
+    limb.vertices = np.column_stack([turn.real, turn.imag, z])
+    made = nl.reconstruct(limb, tolerance=0.21)
+    assert made.within_tolerance
+    assert made.volume == pytest.approx(limb.volume, rel=0.003)
+    assert made.to_mesh(0.005).volume == pytest.approx(limb.volume, rel=0.003)  # by the divergence theorem
+
+
+def test_a_quarter_of_a_rod_is_exact_of_four_facets():
+    beside = box(-30, -30, -1, 30, 60, 14), box(-30, -30, -1, 60, 30, 14)
+    made = nl.reconstruct(meshed(without(rod(0, 0, 0, 10, 12), *beside), 1.0, 0.8), tolerance=0.5)
+    assert kinds_of_faces(made.faces) == "4 planes, 1 cylinder of 10 mm"
+
+
+@pytest.mark.parametrize("triangle", range(12))
+@pytest.mark.parametrize("at", [0.5, 0.3])
+def test_a_triangle_without_area_takes_no_face_of_its_own(triangle, at):
+    """An edge divided on one side only, as exporters leave it, with a triangle of no area in the gap."""
+    solid = trimesh.creation.box((4, 3, 2))
+    a, b, c = solid.faces[triangle]
+    vertices = np.concatenate([solid.vertices, [(1 - at) * solid.vertices[a] + at * solid.vertices[b]]])
+    rest = np.delete(solid.faces, triangle, axis=0)
+    torn = trimesh.Trimesh(vertices, np.concatenate([rest, [[a, 8, c], [8, b, c], [a, b, 8]]]), process=False)
+    assert torn.is_watertight
+    made = nl.reconstruct(torn, tolerance=0.02)
+    assert kinds_of_faces(made.faces) == "6 planes"
+    assert made.volume == pytest.approx(24.0)
+
+
 def test_exact_faces_that_cannot_be_drawn_become_patches(monkeypatch):
     def without_triangles(shell, tolerance):
         raise ValueError("OpenCASCADE leaves a face without triangles")
