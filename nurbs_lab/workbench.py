@@ -177,6 +177,7 @@ def work(
                 part = mesh_from_points(part)
         as_kind("part", part, trimesh.Trimesh)
         made = reconstruct(part, tolerance=tolerance)
+        part = made.mesh  # the mended one
         (middle,) = slice_mesh(part, [part.bounds[:, 2].mean()])
         contour = max(middle.contours, key=lambda contour: contour.length)
         curve = _along(contour, tolerance)

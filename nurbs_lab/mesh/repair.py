@@ -81,7 +81,7 @@ def repair_mesh(mesh):
     (True, ('1 pinhole filled',))
     """
     surfaces, repairs = closed_surfaces(mesh_graph(mesh))
-    return trimesh.Trimesh(*_joined(surfaces), process=False, metadata={"repairs": repairs})
+    return trimesh.Trimesh(*joined(surfaces), process=False, metadata={"repairs": repairs})
 
 
 def closed_surfaces(graph) -> tuple[list[ClosedSurface], tuple[str, ...]]:
@@ -344,7 +344,7 @@ def around_of(parts):
     return around
 
 
-def _joined(surfaces):
+def joined(surfaces):
     """Vertices and triangles of all surfaces."""
     return trimesh.util.append_faces([one.vertices for one in surfaces], [one.triangles for one in surfaces])
 
@@ -352,7 +352,7 @@ def _joined(surfaces):
 def _compared(surfaces, doubled, size, repairs):
     """The surfaces, told which meet; those that cross and bodies inside others, counted twice, are named."""
     owner = np.repeat(np.arange(len(surfaces)), [len(one.triangles) for one in surfaces])
-    points, corners = _joined(surfaces)
+    points, corners = joined(surfaces)
     inwards = -np.concatenate([vertex_normals(one.vertices, one.triangles)[0] for one in surfaces])
     partner = crossing_triangles(points, corners)
     near, body = np.flatnonzero(partner >= 0), np.array([one.body for one in surfaces])[owner]

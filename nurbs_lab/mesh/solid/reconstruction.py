@@ -10,10 +10,10 @@ from nurbs_lab.common.checks import as_choice, as_count, as_number, as_positive,
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.threads import over_slices
 from nurbs_lab.common.values import Value
-from nurbs_lab.mesh.core import MeshGraph, mesh_graph
+from nurbs_lab.mesh.core import enclosed_volume, mesh_graph
 from nurbs_lab.mesh.distance import Deviation, Spread, crossing_triangles
 from nurbs_lab.mesh.read import without_cache
-from nurbs_lab.mesh.repair import closed_surfaces
+from nurbs_lab.mesh.repair import closed_surfaces, joined
 from nurbs_lab.mesh.solid.faces import ALONG, Face, kinds_of_faces, patch
 from nurbs_lab.mesh.solid.net import side_places
 from nurbs_lab.mesh.solid.patches import Patches
@@ -107,10 +107,8 @@ class Reconstruction(Value):
         One for every outer boundary and every void.
     tolerance : float
         As asked for, mm.
-    graph : MeshGraph
-        The mesh.
-    mended_volume : float
-        Volume of the mesh after small defects were mended, mm³.
+    vertices, triangles : (n, 3) and (m, 3) arrays
+        Of the mesh after small defects were mended.
     repairs : tuple of str
         What was mended in the mesh first.
     deviation : Deviation
@@ -125,8 +123,8 @@ class Reconstruction(Value):
 
     shells: tuple[Shell | TrimmedShell, ...]
     tolerance: float
-    graph: MeshGraph
-    mended_volume: float
+    vertices: np.ndarray
+    triangles: np.ndarray
     repairs: tuple[str, ...]
     deviation: Deviation
     seam_angle: float
@@ -158,8 +156,8 @@ class Reconstruction(Value):
 
     @property
     def mesh(self) -> trimesh.Trimesh:
-        """The mesh, equal vertices welded; `Deviation.vertices` has one value for each of its vertices."""
-        return trimesh.Trimesh(self.graph.vertices, self.graph.triangles[~self.graph.junk], process=False)
+        """The mended mesh, as of `repair_mesh`; `Deviation.vertices` has a value for each of its vertices."""
+        return trimesh.Trimesh(self.vertices, self.triangles, process=False)
 
     @property
     def volume(self) -> float:
@@ -236,16 +234,17 @@ class Reconstruction(Value):
         return "\n".join(lines)
 
     def _beside_mesh(self):
-        mesh, deviation, points = self.mesh, self.deviation, self.control_point_count
+        deviation, points = self.deviation, self.control_point_count
+        volume = enclosed_volume(self.vertices, self.triangles)
         # What rounding leaves differs between processors
         values = (deviation.max, deviation.mean, self.seam_angle)
         largest, mean, angle = ("below 1e-9" if value < 1e-9 else f"{value:.2g}" for value in values)
         return (
-            f"control points {points} ({points / len(mesh.faces):.2f} per triangle)",
+            f"control points {points} ({points / len(self.triangles):.2f} per triangle)",
             f"deviation: largest {largest} mm, mean {mean} mm, "
             f"{100 * deviation.fraction_within(self.tolerance):.2f} % within {self.tolerance:g} mm",
             f"angle between normals at smooth edges: largest {angle} degrees",
-            f"volume {self.volume / self.mended_volume:.5f} and area {self.area / mesh.area:.3f} of the mesh",
+            f"volume {self.volume / volume:.5f} and area {self.area / self.mesh.area:.3f} of the mesh",
         )
 
 
@@ -336,9 +335,9 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
         angles[~shell.sharp if isinstance(shell, Shell) else angles <= SHARP].max(initial=0.0)
         for shell, angles in ((shell, shell.seam_angles()) for shell in shells)
     ]
-    volume, seam = sum(part.volume for part in parts), float(max(seams))
     crossings = _crossings(parts, fits, shells, tolerance)
-    return Reconstruction(shells, tolerance, graph, volume, repairs, _together(graph, fits), seam, crossings)
+    deviation, seam = _together(parts, fits), float(max(seams))
+    return Reconstruction(shells, tolerance, *joined(parts), repairs, deviation, seam, crossings)
 
 
 def _crossings(parts, fits, shells, tolerance):
@@ -359,16 +358,17 @@ def _crossings(parts, fits, shells, tolerance):
     return np.concatenate(out)
 
 
-def _together(graph, fits):
-    """The deviation of all shells, and of every vertex of the mesh."""
+def _together(parts, fits):
+    """The deviation of all shells, and of every vertex of the mended mesh."""
     to_surface = np.concatenate([fit.to_surface for fit in fits])
     to_mesh = np.concatenate([fit.to_mesh for fit in fits])
-    points = np.concatenate([fit.mesh_points for fit in fits])
-    vertices = to_surface[cKDTree(points).query(graph.vertices)[1]]
+    points = [fit.mesh_points for fit in fits]
+    own = [cKDTree(some).query(part.vertices)[1] for some, part in zip(points, parts, strict=True)]
+    vertices = np.concatenate([fit.to_surface[rows] for fit, rows in zip(fits, own, strict=True)])
     return Deviation(
         np.concatenate([to_surface, to_mesh]),
         Spread(to_surface),
         Spread(to_mesh),
         vertices,
-        np.concatenate([points, *(fit.surface_points for fit in fits)]),
+        np.concatenate([*points, *(fit.surface_points for fit in fits)]),
     )

@@ -3,7 +3,7 @@
 import numpy as np
 
 from nurbs_lab.common.checks import as_flag, extent
-from nurbs_lab.mesh.core import enclosed_volume, mesh_graph
+from nurbs_lab.mesh.core import enclosed_volume
 from nurbs_lab.mesh.distance import Deviation, Spread, crossing_triangles
 from nurbs_lab.mesh.repair import NO_VOLUME
 from nurbs_lab.mesh.slicing.contours import Layer
@@ -63,9 +63,7 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False, capped
     mesh = _uncrossed(shell, size)
     none, nowhere = np.empty(0), np.empty((0, 3))  # there is no mesh to measure from
     unmeasured = Deviation(none, Spread(none), Spread(none), none, nowhere)
-    return Reconstruction(
-        (shell,), _FINE * size, mesh_graph(mesh), shell.volume, (), unmeasured, 0.0, nowhere
-    )
+    return Reconstruction((shell,), _FINE * size, mesh.vertices, mesh.faces, (), unmeasured, 0.0, nowhere)
 
 
 def _uncrossed(shell, size):

@@ -181,6 +181,22 @@ def test_bodies_that_overlap_in_the_mesh_may_do_so_in_the_solid():
     assert "not mended: bodies overlap" in made.report()
 
 
+def test_the_mesh_of_a_solid_is_the_one_that_it_was_made_of():
+    """Two boxes with a wall between them, one triangle turned: 2 by 1 by 1 without the wall."""
+    boxes = [trimesh.creation.box() for _ in range(2)]
+    boxes[1].apply_translation([1.0, 0.0, 0.0])
+    both = trimesh.util.concatenate(boxes)
+    faces = np.delete(both.faces, [12, 14], axis=0)  # of the two that lie in the wall, one stays
+    faces[0] = faces[0, ::-1]
+    made = reconstruct(trimesh.Trimesh(both.vertices, faces, process=False), tolerance=0.1)
+    assert len(made.repairs) == 2
+    assert made.mesh.is_watertight
+    assert made.mesh.volume == pytest.approx(2.0)
+    assert made.mesh.area == pytest.approx(10.0)
+    assert "volume 1.00000 and area 1.000 of the mesh" in made.report()
+    assert len(made.deviation.vertices) == len(made.mesh.vertices)
+
+
 def test_sharp_edges_become_edges_of_faces():
     mesh, made = rebuilt("cylinder")
     (shell,) = made.shells

@@ -35,6 +35,16 @@ def test_a_mesh_becomes_surfaces_and_a_path(ball, tmp_path):
     assert all(opened(picture).width > 300 for picture in pictures.values())
 
 
+def test_a_damaged_part_is_followed_as_it_was_mended(ball):
+    """One triangle is missing that the plane at half the height cuts."""
+    part = ball.copy().apply_transform(trimesh.transformations.rotation_matrix(0.3, (1, 2, 0)))
+    cut = np.flatnonzero(np.ptp(np.sign(part.triangles[..., 2]), axis=1) == 2)[0]
+    torn = trimesh.Trimesh(part.vertices, np.delete(part.faces, cut, axis=0), process=False)
+    followed = work(torn, tolerance=0.2).curve
+    assert followed.closed
+    assert followed.length() == pytest.approx(2 * np.pi * 10.0, rel=0.01)
+
+
 def test_the_path_of_a_coarse_part_keeps_the_tolerance():
     x, y = np.abs(work(trimesh.creation.box((10, 20, 3)), tolerance=0.05).path.points[:, :2].T)
     assert np.abs(np.maximum(x - 5, y - 10)).max() < 0.05
