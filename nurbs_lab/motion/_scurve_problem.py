@@ -117,18 +117,20 @@ class Block:
         """Change a motion, in place, until it keeps every limit; the first weight of its solution, or 0.
 
         Slowed by some factor it does. It is then made faster in stages, as no way on leads from a motion that
-        nearly rests in between, and none from one very near its limits. After each the speeds of the ends
-        grow, if they can, and the whole motion with them, by a barrier method on the logarithm of the part
-        of v² that is reached. 0 means that no motion was found.
+        nearly rests in between, and none from one very near its limits. From the fastest that allows it the
+        speeds of the ends grow, and the whole motion with them, by a barrier method on the logarithm of the
+        part of v² that is reached. 0 means that no motion was found.
         """
         factor, near = self.infeasibility(middle), _NEAR * len(middle)
         if not 1.0 < factor < np.inf:
             return self._balanced_weight(middle) if factor == 1.0 else 0.0
-        block, slowed = self._slower(factor), middle / factor**2
+        block, slowed, motions = self._slower(factor), middle / factor**2, []
         for stage in range(_STAGES):
             weight = FALL**stage * block._balanced_weight(slowed)
             block.centre(slowed, weight, near, STEPS)
-            grown, problem, part = slowed.copy(), self._slower(factor).problem, factor**-2.0
+            motions.append((stage, weight, slowed.copy()))
+        for stage, weight, grown in reversed(motions):
+            problem, part = self._slower(factor).problem, factor**-2.0
             for pull in len(middle) * _PULLS:
                 if part < 1.0:
                     task = problem, grown, FALL * weight, near, STEPS, (part, pull)
