@@ -18,6 +18,7 @@ from nurbs_lab.mesh.solid.faces import ALONG, Face, kinds_of_faces, patch
 from nurbs_lab.mesh.solid.net import side_places
 from nurbs_lab.mesh.solid.patches import Patches
 from nurbs_lab.mesh.solid.refine import Fitted, build
+from nurbs_lab.mesh.solid.regions import facets_of
 from nurbs_lab.mesh.solid.shell_triangles import finest, shell_triangles
 from nurbs_lab.mesh.solid.trimmed import SHARP, Measured, TrimmedShell, exact_shell, fine_enough
 from nurbs_lab.nurbs import NurbsSurface
@@ -316,13 +317,14 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
     def best(part):
         # surfaces that meet at less than the sharp angle are told apart at a third of it
         ways = ((sharp_angle,), (sharp_angle / 3.0,), (sharp_angle, True)) if faces == "auto" else ()
-        exact = next(filter(None, (exact_shell(part, tolerance, *way) for way in ways)), None)
+        facets = facets_of(part) if ways else None
+        exact = next(filter(None, (exact_shell(facets, tolerance, *way) for way in ways)), None)
         if exact and len(exact.shell.faces) <= most:
             return exact
         count = len(part.triangles)
         fitted = build(part, tolerance, sharp_angle, max_faces, count if ways and count <= most else np.inf)
         # the planes of so coarse a mesh that fewer patches do not keep the tolerance
-        return fitted or exact_shell(part, tolerance, 0.0) or build(part, tolerance, sharp_angle, max_faces)
+        return fitted or exact_shell(facets, tolerance, 0.0) or build(part, tolerance, sharp_angle, max_faces)
 
     fits = over_slices(best, parts, "shells")
     shells = tuple(

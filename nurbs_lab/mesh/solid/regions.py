@@ -5,13 +5,15 @@ that lie on it; facets that are left are planes, or free form. The vertices of a
 surfaces to rounding, so the limits are narrow.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
+from nurbs_lab.common.checks import extent
 from nurbs_lab.mesh.core import components, face_normals, opposite_of, unit
+from nurbs_lab.mesh.repair import ClosedSurface
 from nurbs_lab.mesh.solid.quadrics import ON, ROUND, SAME, circumcentres, fit, improved, made_equal
 
 _TURN = np.cos(np.radians(40.0))  # between a facet and its surface
@@ -22,9 +24,12 @@ _FEWEST = 4  # facets of free form that are left over; a round surface has the v
 
 @dataclass(frozen=True)
 class Facets:
-    """Coplanar connected triangles of a mesh; ``of`` numbers them for every triangle."""
+    """Coplanar connected triangles of a closed surface; ``of`` numbers them for every triangle."""
 
-    points: np.ndarray
+    part: ClosedSurface
+    size: float
+    centre: np.ndarray
+    points: np.ndarray  # less the centre, over the size
     triangles: np.ndarray
     of: np.ndarray
     normals: np.ndarray
@@ -32,7 +37,9 @@ class Facets:
     rounds: np.ndarray  # centres of the circles around the facets
     sides: np.ndarray  # pairs of neighbouring facets, for each edge of the mesh one in either direction
     ends: np.ndarray  # the vertex where each of these edges begins in that direction
-    smooth: np.ndarray  # which of them turn by less than the sharp angle
+    turn: np.ndarray  # the cosine of the angle between them there
+    smooth: np.ndarray | None = None  # which of them turn by less than a sharp angle
+    through: dict[bytes, list] = field(default_factory=dict)  # what `surfaces` found for groups
 
     def vertices(self, facets):
         """Distinct vertices of some facets."""
@@ -58,9 +65,21 @@ class Facets:
         on[on] = (least > _TURN) & (np.abs(found.distances(corners.mean(axis=1))) <= bound)
         return on
 
+    def surfaces(self, group):
+        """Round surfaces, one of a kind at most, on which the vertices of some facets lie; found once."""
+        if (key := group.tobytes()) not in self.through:
+            points = self.points[self.vertices(group)]
+            places, normals, areas = self.rounds[group], self.normals[group], self.areas[group]
+            found = (fit(kind, points, places, normals, areas) for kind in ROUND)
+            self.through[key] = [s for s in found if s and np.abs(s.distances(points)).max() <= ON]
+        return self.through[key]
 
-def facets_of(points, triangles, sharp_angle, apart=False) -> Facets:
-    """The facets of a closed mesh with a size of about one; triangles ``apart`` are facets of their own."""
+
+def facets_of(part, apart=False) -> Facets:
+    """The facets of a `ClosedSurface`; triangles ``apart`` are facets of their own."""
+    triangles, size = part.triangles.astype(np.int64), extent(part.vertices)
+    centre = (part.vertices.min(axis=0) + part.vertices.max(axis=0)) / 2
+    points = (part.vertices - centre) / size
     opposite, corners = opposite_of(triangles), points[triangles]
     vectors = face_normals(points, triangles)
     doubled = np.linalg.norm(vectors, axis=1)
@@ -73,9 +92,8 @@ def facets_of(points, triangles, sharp_angle, apart=False) -> Facets:
     kept, normals = sides[:, 0] != sides[:, 1], unit(vectors)
     turn = np.einsum("ij,ij->i", *normals[sides[kept]].swapaxes(0, 1))
     return Facets(
-        points, triangles, of, normals, np.linalg.norm(vectors, axis=1) / 2,
-        circumcentres(corners[largest])[0], sides[kept], triangles.ravel()[kept],
-        turn > np.cos(np.radians(sharp_angle)),
+        part, size, centre, points, triangles, of, normals, np.linalg.norm(vectors, axis=1) / 2,
+        circumcentres(corners[largest])[0], sides[kept], triangles.ravel()[kept], turn,
     )  # fmt: skip
 
 
@@ -101,17 +119,18 @@ def _coplanar(corners, normals, opposite, apart):
     return components(count, f[flat], g[flat])[1]
 
 
-def regions_of(points, triangles, sharp_angle, least=None):
+def regions_of(facets, sharp_angle, least=None):
     """Number of the region of every triangle, surfaces of the regions, and what made them equal changed.
 
     Where some of the mesh is free form, returns None; or, if a ``least`` area is given, numbers of -1 there.
     To free form belong smaller regions, and those that meet it, or one another, smoothly but do not touch.
     None if nothing else is left.
     """
-    facets = facets_of(points, triangles, sharp_angle)
+    facets = replace(facets, smooth=facets.turn > np.cos(np.radians(sharp_angle)))
     links, label, found = _search(facets, least)
     if (apart := _of_several(facets, found, label)).any():
-        facets = facets_of(points, triangles, sharp_angle, apart)
+        facets = facets_of(facets.part, apart)
+        facets = replace(facets, smooth=facets.turn > np.cos(np.radians(sharp_angle)))
         links, label, found = _search(facets, least)
     _absorb(facets, found, label)
     left = np.flatnonzero(label < 0)
@@ -167,14 +186,18 @@ def _search(facets, least):
     links = csr_matrix((np.ones(len(smooth)), tuple(smooth.T)), (count, count))
     label, found, vain = np.full(count, -1), [], np.zeros(count)
     part = np.zeros(count, int) if least is None else connected_components(links, False)[1]
-    small = np.bincount(part, facets.areas)[part] < (least or 0.0)
-    for seed in np.random.default_rng(0).permutation(len(label)):
-        alone = small[seed] or links.indptr[seed] == links.indptr[seed + 1]
-        if label[seed] >= 0 or alone or vain[part[seed]] > _IN_VAIN:
+    alone = (np.bincount(part, facets.areas)[part] < (least or 0.0)) | (np.diff(links.indptr) == 0)
+    seeds = np.random.default_rng(0).permutation(count)
+    seeds = seeds[~alone[seeds]]
+    while len(seeds):
+        seed, seeds = seeds[0], seeds[1:]
+        if label[seed] >= 0:
             continue
         best = _surface_at(facets, links, label < 0, seed)
         more = 1.0 - 0.5 * len(best[1]) if best else 1.0
         vain[part[seed]] = max(0.0, vain[part[seed]] + more)
+        if vain[part[seed]] > _IN_VAIN:
+            seeds = seeds[part[seeds] != part[seed]]
         if best:
             label[best[1]] = len(found)
             found.append(best[0])
@@ -192,11 +215,8 @@ def _surface_at(facets, links, free, seed):
         ring = np.unique(links[group].indices)
         group = np.union1d(group, ring[free[ring]])
     while True:
-        points, tried = facets.points[facets.vertices(group)], [best] if best else []
-        for kind in ROUND:
-            surface = fit(kind, points, facets.rounds[group], facets.normals[group], facets.areas[group])
-            if surface is None or np.abs(surface.distances(points)).max() > ON:
-                continue
+        tried = [best] if best else []
+        for surface in facets.surfaces(group):
             if grown := _grown(facets, links, free, surface, seed):
                 centres = facets.points[facets.triangles[np.isin(facets.of, grown[1])]].mean(axis=1)
                 off = np.abs(grown[0].distances(centres)).mean()
@@ -225,8 +245,7 @@ def _grown(facets, links, free, surface, seed):
         if better is None or not better.sound():
             break
         surface = better
-    told = len(facets.vertices(taken)) >= 2 * (_FEWEST + 1)
-    return (surface, taken) if told else None
+    return (surface, taken) if len(facets.vertices(taken)) >= 2 * (_FEWEST + 1) else None
 
 
 def _absorb(facets, found, label):

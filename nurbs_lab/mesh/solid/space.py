@@ -51,7 +51,7 @@ def _angles_of_sectors(layout, angles):
     """For every corner of a face the angle between edges of its sector in the parameter plane, radians.
 
     A sector is what lies at a vertex between two sharp edges, or all around it. Its angle is a full turn if
-    the vertex has fewer than two sharp edges, 180 degrees where they run straight on, and else the sum of the
+    the vertex has fewer than two sharp edges, 180 degrees where just two run straight on, else the sum of the
     ``angles`` of its corners, but not too near to 180 degrees.
     """
     corners, sharp = layout.corners.ravel(), layout.sharp[layout.edges.ravel()]
@@ -62,12 +62,10 @@ def _angles_of_sectors(layout, angles):
     sharp = np.bincount(corners[sharp], minlength=len(layout.fixed))[vertex]
     angle = np.clip(np.bincount(sector, angles), _STRAIGHT, 360.0 - _STRAIGHT)
     off = np.abs(angle - 180.0)
-    nearest, farthest = np.full(len(layout.fixed), np.inf), np.zeros(len(layout.fixed))
-    np.minimum.at(nearest, vertex, off)
+    farthest = np.zeros(len(layout.fixed))
     np.maximum.at(farthest, vertex, off)
     through = (sharp == 2) & (~layout.fixed[vertex] | (farthest[vertex] < _STRAIGHT))
     through &= ~np.isin(vertex, vertex[size == 1])
-    straight = through | ((sharp > 2) & (off < _STRAIGHT) & (off == nearest[vertex]))
     beside = np.where(angle < 180.0, 180.0 - _STRAIGHT, 180.0 + _STRAIGHT)
-    angle = np.where(straight, 180.0, np.where(off < _STRAIGHT, beside, angle))
+    angle = np.where(through, 180.0, np.where(off < _STRAIGHT, beside, angle))
     return np.radians(np.where(sharp < 2, 360.0, angle) / size)[sector]

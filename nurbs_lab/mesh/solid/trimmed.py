@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import trimesh
 
-from nurbs_lab.common.checks import as_positive, extent
+from nurbs_lab.common.checks import as_positive
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.distance import triangle_samples, triangle_tree
 from nurbs_lab.mesh.solid.faces import Face
@@ -141,8 +141,8 @@ class Measured:
     to_mesh: np.ndarray
 
 
-def exact_shell(part, tolerance, sharp_angle, partly=False) -> Measured | None:
-    """Exact faces for a closed surface of a mesh; None if it has others, or if those miss the tolerance.
+def exact_shell(facets, tolerance, sharp_angle, partly=False) -> Measured | None:
+    """Exact faces for the facets of a mesh; None if it has others, or if those miss the tolerance.
 
     If ``partly``, it has others, to which patches are fitted that end on the exact faces. None too where
     OpenCASCADE is not there, or does not find the shell valid.
@@ -152,13 +152,11 @@ def exact_shell(part, tolerance, sharp_angle, partly=False) -> Measured | None:
         from nurbs_lab.mesh.solid import opencascade as oc
     except ImportError:
         return None
-    points, triangles = part.vertices, part.triangles.astype(np.int64)
-    centre = (points.min(axis=0) + points.max(axis=0)) / 2
-    size = extent(points)
+    part, even, triangles = facets.part, facets.points, facets.triangles
+    points, size, centre = part.vertices, facets.size, facets.centre
     unit = unit_of(size)
-    even = (points - centre) / size
     least = (_WIDE * tolerance / size) ** 2 if partly else None
-    regions, rest = regions_of(even, triangles, sharp_angle, least), None
+    regions, rest = regions_of(facets, sharp_angle, least), None
     if regions is None or (regions[0].min() < 0) != partly:
         return None
     label, found, changes = regions

@@ -31,6 +31,7 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS
 
 import nurbs_lab as nl
+from nurbs_lab.mesh.solid import regions
 from nurbs_lab.mesh.solid.faces import kinds_of_faces
 
 
@@ -406,6 +407,21 @@ def test_a_triangle_without_area_takes_no_face_of_its_own(triangle, at):
     made = nl.reconstruct(torn, tolerance=0.02)
     assert kinds_of_faces(made.faces) == "6 planes"
     assert made.volume == pytest.approx(24.0)
+
+
+def test_no_facets_are_searched_twice(monkeypatch):
+    seen, fit = [], regions.fit
+
+    def watched(kind, points, *others):
+        assert kind == "plane" or (kind, points.tobytes()) not in seen
+        seen.append((kind, points.tobytes()))
+        return fit(kind, points, *others)
+
+    monkeypatch.setattr(regions, "fit", watched)
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    ball.vertices *= (3, 2, 1)
+    assert {face.kind for face in nl.reconstruct(ball, tolerance=0.05).faces} == {"patch"}
+    assert seen
 
 
 def test_exact_faces_that_cannot_be_drawn_become_patches(monkeypatch):

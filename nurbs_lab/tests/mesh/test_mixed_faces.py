@@ -13,6 +13,7 @@ from OCP.TopoDS import TopoDS
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import samples
+from nurbs_lab.mesh.repair import ClosedSurface
 from nurbs_lab.mesh.solid import regions
 from nurbs_lab.tests.mesh.test_exact_faces import (
     apart,
@@ -95,7 +96,9 @@ def test_a_nut_whose_bore_is_no_circle_keeps_its_planes_and_the_tolerance():
 def test_facets_that_are_too_small_together_are_not_searched(monkeypatch):
     seeds, ball = [], trimesh.creation.icosphere(subdivisions=2)
     monkeypatch.setattr(regions, "_surface_at", lambda facets, links, free, seed: seeds.append(seed))
-    assert regions.regions_of(ball.vertices, ball.faces, 30.0, least=1.1 * ball.area) is None
+    facets = regions.facets_of(ClosedSurface(ball.vertices, ball.faces, 0, False, ball.volume))
+    area = facets.areas.sum()
+    assert regions.regions_of(facets, 30.0, least=1.1 * area) is None
     assert not seeds
-    assert regions.regions_of(ball.vertices, ball.faces, 30.0, least=0.9 * ball.area) is None
+    assert regions.regions_of(facets, 30.0, least=0.9 * area) is None
     assert seeds
