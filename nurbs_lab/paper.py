@@ -72,7 +72,7 @@ VERDICTS = ("holds", "holds with a condition", "slip in our copy", "lost in our 
 
 
 def claims(kind=None):
-    """The audit of the paper: every equation, figure, table, module, parameter and claim with its verdict.
+    """The audit of the paper: its equations, figures, table, modules, parameters and claims, with verdicts.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def audit(section):
 
 
 def _entry(claim):
-    condition, reading = re.match(r"(?:Condition(: .+?)(?<!Eq)\. )?(.*)", claim.reading).groups("")
+    condition, reading = re.match(r"(?:Condition(, .+?)(?<!Eq)\. )?(.*)", claim.reading).groups("")
     # The links are HTML, as Sphinx follows no others here.
     number = f' **{claim.number}** (cell <a href="#{claim.check}">{claim.check}</a>).' if claim.number else ""
     file = f'Notebook <a href="{claim.notebook}.ipynb">{claim.notebook[:2]}</a>, `{claim.module}`.'

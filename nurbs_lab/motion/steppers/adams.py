@@ -10,8 +10,8 @@ K4 in every reading, by analogy with Eq. 19) the readings of the quotient that s
 - mended:  ``|C(u_j + h) - C(u_{j-1} + h)| / |u_j - u_{j-1}|``, both ends moved;
 - newer:   ``|C(u_j + h) - C(u_{j-1})| / |u_j - u_{j-1} + h|``, the printed denominator, the newer end moved;
 - plus:    ``|C(u_j) - C(u_{j-1} + h)| / |u_j - u_{j-1} + h|``, the signs as printed, which do not match;
-- minus:   ``|C(u_j) - C(u_{j-1} + h)| / |u_j - u_{j-1} - h|``, the signs that would; K4 is then 0/0 at steady
-  speed, as T K3 is just u_j - u_{j-1}.
+- minus:   ``|C(u_j) - C(u_{j-1} + h)| / |u_j - u_{j-1} - h|``, the signs that would; K4 is then 0/0 where
+  |C'| is constant, as on a line: T K3 is just u_j - u_{j-1}.
 
 There is no u_{-1}: at u_0 the exact end derivative |C'(u_0)| stands in for every quotient, and after a hold
 the last quotient before it does. In the last moments of braking the formula may ask for a step back; then the
@@ -147,7 +147,7 @@ _ROWS = (
     ("rk4-quotient", "Eq. (20) mended: both ends of the quotient moved", (7, 0), MENDED, None, 1),
     ("rk4-newer", "Eq. (20) with the newer end moved, as the denominator is printed", (4, 0), NEWER, None, 1),
     ("rk4-plus", "Eq. (20) to the letter, with plus signs: unstable", (4, 0), PLUS, None, None),
-    ("rk4-minus", "Eq. (20) with minus signs, K4 by analogy: 0/0 at steady speed", (4, 0), MINUS, None, None),
+    ("rk4-minus", "Eq. (20) with minus signs, K4 by analogy: 0/0 on a line", (4, 0), MINUS, None, None),
 )
 for _name, _summary, _evaluations, _reading, _started, _order in _ROWS:
     _call = partial(_run, reading=_reading, started=_started, correct=_evaluations[1] == 2)
