@@ -49,6 +49,7 @@ _KEPT (program), 1,000 spans            0.25     0; 1.1 x                -1,500;
 _FAR (corrected), of a step             0.5      err as much (0.01)      9 of 76 leap by 2 to 99
 _SHORT (multistep), of coordinates      5e-7     holds err 3 x           slow sharp turns err 18 x
 _NEAR (multistep), of a step            0.5      errors 1 x              errors 8 x
+_ROOM (multistep), of a limit           2.5e-4   1.1 x evaluations       chord errors 1.003
 _FINER (certificate), the bound         8        -58 (median of 60)      +29; 1.8 x
 _GAP (certificate), the bound           3e-4     +93 (median of 30)      0
 _NEAR (certificate), the bound          0.1      0                       0
@@ -127,6 +128,7 @@ corners left out of the trapezoid (scurve)        8 with jerks of axes, by up to
 growth of cells from rest and corners (scurve)    23, by up to 23 %
 own speeds on both sides of a node (scurve)       none; programs exceed speeds of their own by 1.6 %
 no margin at ends that move (scurve)              none; ends 1e-4 below the limit of a circle are refused
+sixth points (multistep)                          none; 'history-arc' takes up to 1.57 of a jerk
 samples at minima of |C'| (scan)                  none; 1 of 40 slow near-cusps 13 % beyond its limit
 samples at quarters of cells (scan)               none; 2 of 600 of degrees 2 to 15, by up to 6 % beyond
 _SPANS and _DOUBLINGS, equal pieces (program)     1, by 8 %; the first motion takes 3.7 times as long to come

@@ -53,7 +53,7 @@ def add_time_of_cell(h, slowness, free, weight, i, place, nodal_model):
     mean = p * q / (p + q)
     short, shorter, needed = h * mean**2, h * mean**3, 2.0 * h * mean
     time, _ = time_of_cell(free, i, needed, place, weight)
-    total, middle = 0.0, (0.0, 0.0, 0.0, 0.0)
+    total = mean_x = mean_y = mean_z = mean_w = 0.0  # means times the total
     for again in range(2):  # the time follows: the mean of the conditions, by their steepness, is its own
         for k in range(1 + 2 * free.shape[1]):
             steep = 1.0 / (time - _least(free, i, k, needed, place))
@@ -63,22 +63,14 @@ def add_time_of_cell(h, slowness, free, weight, i, place, nodal_model):
                 x, y, z, w = sign * row[0], sign * row[1], sign * row[2], sign * row[3]
             if again == 0:
                 total, part = total + steep * steep, steep * steep
-                middle = (
-                    middle[0] + part * x,
-                    middle[1] + part * y,
-                    middle[2] + part * z,
-                    middle[3] + part * w,
-                )
+                mean_x, mean_y = mean_x + part * x, mean_y + part * y
+                mean_z, mean_w = mean_z + part * z, mean_w + part * w
                 continue
             for at, by_b, by_d in ((i, x, z), (i + 1, y, w)):
                 first[at, 0] += weight * steep * by_b
                 first[at, 1] += weight * steep * by_d
-            x, y, z, w = (
-                steep * (x - middle[0] / total),
-                steep * (y - middle[1] / total),
-                steep * (z - middle[2] / total),
-                steep * (w - middle[3] / total),
-            )
+            x, y = steep * (x - mean_x / total), steep * (y - mean_y / total)
+            z, w = steep * (z - mean_z / total), steep * (w - mean_w / total)
             for at, by_b, by_d in ((i, x, z), (i + 1, y, w)):
                 own[at, 0] += weight * by_b * by_b
                 own[at, 1] += weight * by_b * by_d

@@ -74,11 +74,6 @@ class ToolPath(Value):
             f"{np.abs(self.chord_fluctuation).max():.2e} by chord)"
         )
 
-    @property
-    def length(self):
-        """Length of the curve, in mm."""
-        return float(self.moved.sum())
-
     @cached_property
     def arc_fluctuation(self):
         """Relative error of the arc length of each step, shape (n,); 0 during a hold."""

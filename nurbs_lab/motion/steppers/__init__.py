@@ -3,10 +3,4 @@
 Importing this package fills the catalogue of `registry`.
 """
 
-from nurbs_lab.motion.steppers import (  # noqa: F401  (each registers its own)
-    adams,
-    corrected,
-    exact,
-    multistep,
-    one_step,
-)
+from nurbs_lab.motion.steppers import adams, corrected, exact, multistep, one_step  # noqa: F401

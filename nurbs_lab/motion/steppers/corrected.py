@@ -83,7 +83,7 @@ def _chord(spans, feed, period, u, counts, trials, noise, panels):
                 following = u[step] + (tried[trial] - u[step]) * length / chord
         far = abs(chord - length) > max(_FAR * length, noise) and not (following == end and chord < length)
         if far or abs(following - last) > _FAR * (following - u[step]):
-            following, panel, count = exact_step(spans, panels, (panel, span), u[step], length)
+            following, panel, count, _ = exact_step(spans, panels, (panel, span), u[step], length)
             counts[1] += count
         push(lengths, length)
         if not settle(u, step, following, end):
@@ -92,7 +92,7 @@ def _chord(spans, feed, period, u, counts, trials, noise, panels):
 
 
 def _run_chord(job, *, trials=2):
-    rounding = 4.0 * np.finfo(float).eps * job.extent  # of a chord, which is not corrected further
+    rounding = 4.0 * np.spacing(np.abs(job.curve.control_points).max())  # a chord's, not corrected further
     return steps_of(job, _chord, trials, rounding, job.track.panels)
 
 

@@ -10,12 +10,12 @@ from nurbs_lab.nurbs.span_kernels import find_span, gauss, parameter_at
 def exact_step(spans, panels, hints, u, length):
     """Parameter a length beyond u; ``hints`` are a panel near u and the span that holds it.
 
-    The panel that holds u and the number of evaluations of C' are returned too.
+    The panel that holds u, the number of evaluations of C' and the length from the start are returned too.
     """
     panel = find_span(panels[0], u, hints[0])
-    gone = panels[1][panel] + gauss(spans, hints[1], panels[0][panel], u)
-    following, _, count = parameter_at(spans, panels, (panel, hints[1]), gone + length)
-    return max(following, u), panel, count
+    reached = panels[1][panel] + gauss(spans, hints[1], panels[0][panel], u) + length
+    following, _, count = parameter_at(spans, panels, (panel, hints[1]), reached)
+    return max(following, u), panel, count, reached
 
 
 @kernel
@@ -41,6 +41,6 @@ register(
         "arc length inverted to rounding by Newton's method on Gauss-Legendre integrals, the reference",
         (0, 23, 0, 0),
         _run,
-        keeps=(*KEPT, "acceleration", "axis_acceleration", "jerk", "axis_jerk"),
+        keeps=KEPT,
     )
 )

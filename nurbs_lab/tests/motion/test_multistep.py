@@ -52,8 +52,9 @@ def test_history_over_arc_errs_as_its_series_or_as_rounding(name, jerk, period_s
     exact, series, history = (
         worst(nl.trace(curve, feed, stepper=name)) for name in ("exact", "adams-arc", "history-arc")
     )
+    made_good = 2.5e-4 * LIMITS[name][2] * period_s**2 / LIMITS[name][0]  # by a step, at most
     if name != "butterfly":
-        assert history <= 10.0 * max(exact, series)
+        assert history <= max(10.0 * exact, 10.0 * series, made_good)
         assert history < 1e-5
     else:
         assert history < 1e-3  # radius 0.024 mm at steps of 0.014 mm, where the exact rule steps in
@@ -64,6 +65,30 @@ def test_a_step_of_history_over_arc_needs_one_point_and_on_sharp_curves_a_few_sl
     path = nl.trace(curve, feed, stepper="history-arc")
     per_step = path.evaluations_by_order / len(path.moved)
     np.testing.assert_allclose(per_step, [1.0, 1.05, 0.0, 0.0], atol=0.1)
+
+
+def wild(seed):
+    """A rational curve whose weights of 1e-3 to 1e3 turn it within a step, and limits."""
+    random = np.random.default_rng(seed)
+    points = np.cumsum(3.0 * random.normal(size=(8, 2)) + (3.0, 0.0), axis=0)
+    knots = np.r_[np.zeros(4), np.sort(random.uniform(0.05, 0.95, 4)), np.ones(4)]
+    curve = nl.NurbsCurve(3, knots, points, 10.0 ** random.uniform(-3.0, 3.0, 8))
+    speed = 2.0 * curve.length()
+    return curve, nl.Limits(speed, 20.0 * speed, jerk=1e3 * speed, axis_acceleration=15.0 * speed)
+
+
+@pytest.mark.parametrize("name", ["exact", "adams-arc", "history-arc"])
+def test_wild_weights_keep_a_plan_within_its_limits(name):
+    """By differences of points; 'adams-arc' took twice the jerk, 'history-arc' 30 times the acceleration."""
+    for seed in range(6):
+        curve, limits = wild(seed)
+        path = nl.trace(curve, nl.plan_feed(curve, limits), stepper=name)
+        points, lengths = np.pad(path.points, ((3, 3), (0, 0)), "edge"), np.append(0.0, np.cumsum(path.moved))
+        second = np.diff(points, 2, axis=0) / limits.period_s**2
+        third = np.diff(np.pad(lengths, 3, "edge"), 3) / limits.period_s**3
+        assert np.linalg.norm(second, axis=1).max() <= 1.003 * limits.acceleration
+        assert np.abs(second).max() <= 1.003 * limits.axis_acceleration
+        assert np.abs(third).max() <= 1.01 * limits.jerk
 
 
 def test_a_slow_path_around_sharp_turns_keeps_the_acceleration():
