@@ -17,7 +17,6 @@ from nurbs_lab.machining.stock import as_stock, depths, material_of, require_ins
 from nurbs_lab.machining.surface import at_rest, deepened, left_over, sample_surface, standing, swept, visible
 from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
-from nurbs_lab.nurbs.along import lengths_along
 
 CUSP = 0.65  # fraction of the scallop: height of cusps on a plane between the first passes
 SAMPLES = 0.125  # fraction of the step-over: spacing of the samples on which the remainder is measured
@@ -149,7 +148,7 @@ def covering(fitting, closer, plan, scallop, stock, after, material):
     far, _ = left_over(done, points, far, gaps + scallop)
     poor, before = far - gaps > scallop, np.inf
     first = plan.paths(tips[poor], tips[~poor])
-    paths, fresh = [], longer_than(fitting.tolerance, fit_paths(fitting, first))
+    paths, fresh = [], fit_paths(fitting, first)
     while before:
         done = [*done, swept(cutter, locations(fresh))]
         far, _ = left_over(done[-1:], points, far, gaps + scallop)
@@ -161,7 +160,7 @@ def covering(fitting, closer, plan, scallop, stock, after, material):
         paths, left, before = paths + fresh, now[poor], np.count_nonzero(poor)
         points, tips, gaps, far, above = (one[poor] for one in (points, tips, gaps, far, above))
         more = replace(plan, touch=roomy).paths_through(tips, left)
-        fresh = longer_than(closer.tolerance, fit_paths(closer, more))
+        fresh = fit_paths(closer, more)
     if left.max(initial=0.0) <= scallop + fitting.tolerance:
         return paths, ()
     said = (
@@ -169,11 +168,6 @@ def covering(fitting, closer, plan, scallop, stock, after, material):
         f"{points[left.argmax()].round(3)}; a smaller cutter leaves less"
     )
     return paths, (said,)
-
-
-def longer_than(least, paths):
-    """Paths longer than ``least``: shorter pieces of one that was split cost a way down each."""
-    return [path for path in paths if lengths_along(path.points)[-1] > least]
 
 
 def locations(paths):

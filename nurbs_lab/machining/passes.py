@@ -24,6 +24,7 @@ GRID = 24  # nodes of the grid along a diameter, at most
 WIDTH = 0.5  # step-overs: distance of its nodes
 NEAR = 0.25  # step-overs: a waterline farther from the part is dropped, a tip farther from it is not at rest
 JOIN = 2.0  # step-overs: farther apart, two of them are on two passes
+PARTS = 8  # parts in which the way between two of them is led over the part
 
 
 def step_over(cutter, scallop):
@@ -114,17 +115,22 @@ class Layout:
         return paths
 
     def _chains(self, tips):
-        """Paths over the part from each tip to the nearest one, and short ones along the raster elsewhere."""
+        """Paths over the part from each tip to the nearest one, and short ones along the raster elsewhere.
+
+        A path ends where the part is far above or below the straight way, as at a wall, a cliff or a pit.
+        """
         order, _ = nearest_first(np.stack([tips, tips], axis=1), np.zeros(len(tips), bool))
-        tips, paths = tips[order], []
+        tips, paths, most = tips[order], [], JOIN * self.step
         along = np.eye(3)[np.argmax(self.field.z.shape)] * self.field.step
-        for chain in np.split(tips, 1 + np.flatnonzero(lengths(np.diff(tips, axis=0)) > JOIN * self.step)):
+        for chain in np.split(tips, 1 + np.flatnonzero(lengths(np.diff(tips, axis=0)) > most)):
             if len(chain) == 1:
                 chain = chain + np.array([[-1.0], [1.0]]) * along
-            half = 0.5 * (chain[:-1] + chain[1:])
-            chain = np.insert(chain, np.arange(1, len(chain)), half, axis=0)
-            chain[:, 2] = self.touch.heights(chain[:, :2])
-            paths += [Path(some, None) for some, _ in runs(chain, chain[:, 2] > self.field.floor, False)]
+            at = np.arange(PARTS * (len(chain) - 1) + 1) / PARTS
+            chain = np.column_stack([np.interp(at, np.arange(len(chain)), one) for one in chain.T])
+            over = self.touch.heights(chain[:, :2])
+            keep = (over > self.field.floor) & (np.abs(over - chain[:, 2]) <= most)
+            chain[:, 2] = over
+            paths += [Path(some, None) for some, _ in runs(chain, keep, False)]
         return paths
 
     @property

@@ -12,7 +12,8 @@ import nurbs_lab as nl
 from nurbs_lab import machining
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.field import tip_field
-from nurbs_lab.machining.passes import step_over
+from nurbs_lab.machining.fit import Fitting, fit_paths
+from nurbs_lab.machining.passes import layout, step_over
 from nurbs_lab.machining.surface import sample_surface
 from nurbs_lab.machining.waterlines import waterlines
 from nurbs_lab.mesh import samples
@@ -361,6 +362,19 @@ def test_no_more_than_asked_is_left_where_the_ball_rests_between_a_rim_and_the_f
     left = cKDTree(np.concatenate(tips) + axis).query(np.concatenate([bowl, bowl * (1, -1, 1)]))[0] - 3.0
     assert 0.0 < left.min() <= left.max() < scallop + tolerance
     assert np.mean(left > scallop) < 0.01
+
+
+@pytest.mark.parametrize("x", [2.3, 3.5])
+def test_a_further_pass_ends_at_a_cliff(x):
+    """Beside the edge of a plateau, and at the foot of its wall, a pass goes neither down nor up the wall."""
+    part = machining.prepare_part(block(lambda x, y: 20.0 * np.clip(0.5 - x, 0.0, 1.0), 24.0, 96))
+    fitting = Fitting(part, CUTTERS["ball"], TOLERANCE)
+    plan = layout(fitting.touch(0.5), CUTTERS["ball"], SCALLOP, part.bounds[0, 2])
+    tip = np.array([[x, 0.0, plan.touch.heights(np.array([[x, 0.0]]))[0]]])
+    paths = fit_paths(fitting, plan.paths_through(tip, np.ones(1)))
+    tips = np.concatenate([path.curve(np.linspace(*path.curve.domain, 200)) for path in paths])
+    assert cKDTree(tips).query(tip)[0] < 0.02
+    assert np.ptp(tips[:, 2]) < 4.0  # as far as two passes of one path are apart, up and down
 
 
 def test_no_pass_is_wasted_on_a_hole_deeper_than_the_ball_is_wide():
