@@ -27,7 +27,7 @@ CLOSE = 0.005  # between places at which that is checked
 PLUNGE = 1.0 / 3.0  # fraction of the feed: that of ways down into material
 RAMP_SLOPE = math.tan(math.radians(5.0))  # of a ramp, at most
 MOST_LEGS = 80  # of a ramp; a pass too short for its angle has a steeper one
-RIM = 0.05  # so near the rim of the cutter, material is scraped off on a way straight down
+RIM = 0.25  # so near the rim of the cutter, material is milled off on a way straight down
 RAISES = 289  # points of a link, denser at its ends, at which it is raised over the part
 _LINE, _LINK = [0.0, 0.0, 1.0, 1.0], [0.0] * 4 + [1 / 3, 2 / 3] + [1.0] * 4
 _BASIS = BSpline(_LINK, np.eye(6), 3)(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, RAISES)))
@@ -82,8 +82,8 @@ class Ways:
         To a pass that begins near the end of the one before, the tool stays down on the part and cuts as on a
         pass, along a cubic spline with the tangents of both or a straight one, raised over the part; a way
         down of more than a tenth of the diameter into material is a plunge. Otherwise the tool leaves
-        straight up, makes rapid moves above part and material, and comes straight down, or, where more than
-        its rim meets material, from a free place beside it or on a ramp above the beginning of the pass.
+        straight up, makes rapid moves above part and material, and comes straight down, or, where its core
+        would meet material, from a free place beside it or on a ramp above the beginning of the pass.
         """
         curves = [path.curve for path in paths]
         starts, out = _with_tangents(curves, 0, 1, 1.0), _with_tangents(curves, -1, -2, -1.0)
@@ -98,13 +98,12 @@ class Ways:
                     last = last + up
                 made = self._entry(curve, up)
                 moves += self._rapids(last, made[0].curve.control_points[0])
-            made.append(Move("cut", curve, self.feed))
-            if made[0].kind == "plunge" and link and self._deep(link.curve, rim) <= up[2]:
-                made[0] = Move("cut", link.curve, self.feed)
-            for move in made:
+            for move in (*made, Move("cut", curve, self.feed)):
+                if move.kind == "plunge" and self._deep(move.curve, rim) <= up[2]:
+                    move = Move("cut", move.curve, self.feed)
                 if move.kind != "link":
                     self.material.cut(move.curve)
-            moves += made
+                moves.append(move)
             last = end
         moves.append(Move("link", _spline((last, last + up)), self.feed))
         return (*moves, *self._legs((last + up, (*last[:2], self.safe_height))))
@@ -151,7 +150,7 @@ class Ways:
         """Moves to the beginning of a pass: straight down, from beside it or on a ramp, by the material."""
         begin = curve.control_points[:1]
         beside = self._aside(curve, up) if self._over(begin) > up[2] else []
-        inside = self._over(begin, -RIM * self.size) > up[2]  # not the rim alone
+        inside = self._over(begin, -RIM * self.size) > up[2]  # its core
         return beside or (self._ramp(curve, up) if inside else [self._down(begin[0], up)])
 
     def _down(self, begin, up):
