@@ -184,14 +184,14 @@ class Clearing:
         return max(cusp * 1.05, SLACK * self.step_down)
 
     def levels(self):
-        """Heights from the top down, no farther apart than the step less the slack, on level faces too."""
-        most, stops = max(self.step_down - self.slack, 0.5 * self.step_down), [self.material.field.z.max()]
+        """Heights from the top down, no farther apart than the step, on level faces too."""
+        stops = [self.material.field.z.max()]
         faces = level_faces(self.fitting.part, self.fitting.cutter) + self.fitting.leave
         for height in np.sort(np.append(self._level_faces(), faces))[::-1]:
             if self.tips.floor + self.slack < height < stops[-1] - self.slack:
                 stops.append(height)
         pairs = list(pairwise([*stops, self.tips.floor]))
-        counts = [int(np.ceil((a - b) / most - 1e-9)) for a, b in pairs]
+        counts = [int(np.ceil((a - b) / self.step_down - 1e-9)) for a, b in pairs]
         levels = [np.linspace(a, b, n + 1)[1:] for (a, b), n in zip(pairs, counts, strict=True)]
         return np.concatenate(levels) + SINGLE * self.fitting.cutter.diameter  # rounding makes no contact
 
@@ -231,7 +231,6 @@ class Clearing:
         spread(region, along, field.step)
         along[np.isinf(along)] = 0.0
         depths = np.arange(self.step_over, along[region].max() + self.step_over, self.step_over)
-        depths[-1] = max(along[region].max() - 0.5 * field.step, 0.5 * field.step)
         hill = TipField(field.origin, field.step, along, 0.0)
         sets = {}
         for ring, layer in enumerate(slice_mesh(hill.surface(), depths)):
