@@ -57,11 +57,7 @@ def squared_distance_to_triangle(p, a, b, c):
         v = 1.0 - w
     else:
         v, w = vb / (va + vb + vc), vc / (va + vb + vc)
-    rest = (
-        ap[0] - v * ab[0] - w * ac[0],
-        ap[1] - v * ab[1] - w * ac[1],
-        ap[2] - v * ab[2] - w * ac[2],
-    )
+    rest = (ap[0] - v * ab[0] - w * ac[0], ap[1] - v * ab[1] - w * ac[1], ap[2] - v * ab[2] - w * ac[2])
     return dot(rest, rest)
 
 

@@ -171,9 +171,8 @@ def feed(profile, *, limits=None, curve=None):
     """
     limits = limits if isinstance(limits, Mapping) else getattr(limits, "__dict__", {})
     t = np.unique(np.concatenate([np.linspace(0, profile.duration, 2000), profile.times]))
-    rows = [("speed", "mm/s"), ("acceleration", "mm/s²"), ("jerk", "mm/s³")][
-        : 3 if profile.jerk(t).any() else 2
-    ]
+    rows = [("speed", "mm/s"), ("acceleration", "mm/s²"), ("jerk", "mm/s³")]
+    rows = rows[: 3 if profile.jerk(t).any() else 2]
     with canvas(8, 2 * len(rows), rows=len(rows), sharex=True) as (figure, axes):
         for ax, (name, unit) in zip(axes, rows, strict=True):
             ax.plot(t, getattr(profile, name)(t), color=BLUE, linestyle="-")

@@ -12,6 +12,7 @@ from scipy.sparse import csc_array
 from scipy.spatial import cKDTree
 
 from nurbs_lab.mesh.core import enclosed_volume, vertex_normals
+from nurbs_lab.mesh.distance import crossing_triangles
 
 _CELL = 0.75  # of the grid, and standard deviation of the normals' blur, in spacings of the points
 _MOST_CELLS = 8e6
@@ -47,6 +48,16 @@ def moved_to(points, normals, vertices, triangles):
         offsets, weights = offsets + weight * heights, weights + weight
     offsets = np.clip(offsets / weights, -distances[:, 0], distances[:, 0])
     return _on_average(vertices + offsets[:, None] * across, triangles)
+
+
+def uncrossed(moved, vertices, triangles):
+    """Moved vertices, but where triangles cross, those that they had on the level set: there none cross."""
+    while True:
+        partner = crossing_triangles(moved, triangles)
+        at = triangles[np.append(np.flatnonzero(partner >= 0), partner[partner >= 0])]
+        if (moved[at] == vertices[at]).all():
+            return moved
+        moved[at] = vertices[at]
 
 
 def _indicator(places, normals, areas, spacing, extent):

@@ -2,7 +2,7 @@
 
 The normal of a point is the direction in which its neighbours spread least. Signs are carried along links
 between neighbours (Hoppe et al. 1992), all links of a part together. A part that no link joins to others
-points outwards, or inwards if the winding number of the others says that it is a void.
+points outwards, or inwards if the winding number of the others (Barill et al. 2018) says that it is a void.
 """
 
 import numpy as np
@@ -94,10 +94,6 @@ def _part_signs(points, vectors, part):
     vectors, signs = vectors * outwards[part][:, None], outwards.copy()
     for k in range(len(count)) if len(count) > 1 else ():
         steps = points[part != k] - points[np.argmax(part == k)]
-        signs[k] *= (-1.0) ** round(_winding_number(steps, vectors[part != k]))
+        angles = np.einsum("ij,ij->i", steps, vectors[part != k]) / lengths(steps) ** 3
+        signs[k] *= (-1.0) ** round(np.sum(angles) / (4.0 * np.pi))
     return signs
-
-
-def _winding_number(steps, vectors):
-    """How often surfaces go around a place; ``vectors`` are normals times areas (Barill et al. 2018)."""
-    return np.sum(np.einsum("ij,ij->i", steps, vectors) / lengths(steps) ** 3) / (4.0 * np.pi)

@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from nurbs_lab.common.checks import as_floats, counted, extent, shown_place
 from nurbs_lab.common.progress import interruptible
-from nurbs_lab.mesh.cloud.indicator import closed_surface, moved_to
+from nurbs_lab.mesh.cloud.indicator import closed_surface, moved_to, uncrossed
 from nurbs_lab.mesh.cloud.normals import NEIGHBOURHOODS, directions_of, outward
 from nurbs_lab.mesh.core import (
     bodies_of,
@@ -79,9 +79,8 @@ def check_mesh(mesh) -> MeshReport:
 
 def _report(mesh, repairs):
     graph = mesh_graph(mesh)
-    flaws = [
-        len(edges) for edges in (graph.boundary_edges, graph.non_manifold_edges, graph.against_winding_edges)
-    ]
+    wrong = graph.boundary_edges, graph.non_manifold_edges, graph.against_winding_edges
+    flaws = [len(edges) for edges in wrong]
     return MeshReport(
         not any(flaws),
         len(np.unique(bodies_of(graph.opposite)[1][~graph.junk])),
@@ -132,8 +131,8 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
     -----
     Method: signs by all links of neighbours and the winding number, then the indicator function by Poisson's
     equation on a grid (`nurbs_lab.mesh.cloud.indicator`). The time is linear in the points, up to 200,000 of
-    them, and nothing is iterated until it converges. Walls thinner than twice the distance of neighbouring
-    points may be lost, edges are rounded by about that distance, and a gap in the cloud is closed.
+    them. The mesh does not cut itself. Walls thinner than twice the distance of neighbouring points may be
+    lost, edges are rounded by about that distance, and a gap in the cloud is closed.
 
     Examples
     --------
@@ -161,16 +160,15 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
         normals = -normals
         repairs.append("normals turned, which pointed inwards")
     vertices, triangles = _without_specks(*closed_surface(points, normals, areas), points, repairs)
-    vertices = moved_to(points, normals, vertices, triangles)
-    holes, share, width, place = _holes_closed(
-        vertices, triangles, points, normals, np.sqrt(np.median(areas))
-    )
+    moved = moved_to(points, normals, vertices, triangles)
+    spacing = np.sqrt(np.median(areas))
+    holes, share, width, place = _holes_closed(moved, triangles, points, normals, spacing)
     if holes:
         repairs.append(
             f"{counted(holes, 'hole')} closed, the widest about {size * width:.3g} mm, at "
             f"{shown_place(middle + size * place)}; no points are near {100 * share:.2g} % of the surface"
         )
-    mesh = trimesh.Trimesh(middle + size * vertices, triangles, process=False)
+    mesh = trimesh.Trimesh(middle + size * uncrossed(moved, vertices, triangles), triangles, process=False)
     mesh.metadata["report"] = _report(mesh, repairs)
     return mesh
 

@@ -30,6 +30,26 @@ def distance_to_torus(points, radii=(2.0, 0.6)):
     return np.abs(np.hypot(np.hypot(*points[:, :2].T) - radii[0], points[:, 2]) - radii[1])
 
 
+def pierced(mesh):
+    """Number of edges that pass through a triangle without a common corner, of all pairs that are near."""
+    corners, edges = mesh.vertices[mesh.faces], mesh.edges_unique
+    centres, ends = corners.mean(axis=1), mesh.vertices[edges]
+    reach = np.linalg.norm(corners - centres[:, None], axis=2).max() + mesh.edges_unique_length.max() / 2
+    near = cKDTree(centres).query_ball_point(ends.mean(axis=1), reach)
+    edge, face = np.repeat(np.arange(len(edges)), [len(some) for some in near]), np.concatenate(near)
+    apart = (edges[edge][:, :, None] != mesh.faces[face][:, None]).all(axis=(1, 2))
+    (a, b), corners = np.moveaxis(ends[edge[apart]], 1, 0), corners[face[apart]]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    above, below = (np.einsum("ij,ij->i", place - corners[:, 0], normal) for place in (a, b))
+    crossing = above * below < 0.0
+    share = np.where(crossing, above / np.where(crossing, above - below, 1.0), 0.0)
+    at = a + share[:, None] * (b - a)
+    for k in range(3):
+        side = np.cross(corners[:, k] - corners[:, k - 1], at - corners[:, k - 1])
+        crossing &= np.einsum("ij,ij->i", side, normal) > 0.0
+    return np.count_nonzero(crossing)
+
+
 def surface_samples(mesh, count, *, noise=0.0, outliers=0.0, seed=0):
     """Random points of a surface, with noise and outliers in parts of the size."""
     random = np.random.default_rng(seed)
@@ -234,3 +254,16 @@ TORUS, NORMALS = cloud(100)
 def test_wrong_clouds_are_named(points, normals, message):
     with pytest.raises((ValueError, TypeError), match=message):
         mesh_from_points(points, normals)
+
+
+@pytest.mark.parametrize("count", [180, 400])
+def test_a_mesh_of_few_points_does_not_cut_itself(count):
+    assert pierced(mesh_from_points(cloud(count)[0])) == 0
+
+
+def test_a_mesh_of_a_thin_wall_does_not_cut_itself():
+    outer = trimesh.creation.icosphere(subdivisions=4)
+    inner = outer.copy().apply_scale(0.9)
+    inner.invert()
+    wall = trimesh.util.concatenate([outer, inner])
+    assert pierced(mesh_from_points(surface_samples(wall, 3500))) == 0
