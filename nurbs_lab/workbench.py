@@ -22,10 +22,6 @@ from nurbs_lab.nurbs.along import lengths_along, points_along
 from nurbs_lab.plotting.picture import bundle, png_of, sheet
 from nurbs_lab.plotting.stage import png
 
-SUFFIXES = (
-    ".stl .ply .obj .off .3mf .glb .json .step .stp .igs .iges .csv .txt .ngc .nc .mpf .h .gcode .tap .cnc"
-)
-
 #: Parts that every installation has, by the name that a person picks.
 PARTS = {
     "the paper's curve": lambda: paper.CURVE,
@@ -216,19 +212,18 @@ class Workbench:
         from nurbs_lab.plotting.sliders import Status
 
         self.folder = Path(folder)
-        look = {"style": {"description_width": "8em"}, "layout": {"width": "24em"}}
-        late = {"continuous_update": False, **look}
-        steppers = list(software_steppers())
+        late = {"continuous_update": False, "layout": {"width": "24em"}}
+        late["style"] = {"description_width": "8em"}
         cutters = {"no milling": None, **{f"ball of {d} mm": Cutter("ball", diameter=d) for d in (2.0, 6.0)}}
         # Buttons and sliders: JupyterLab takes the arrow keys away from menus.
         row = {"layout": {"width": "100%"}, "style": {"description_width": "8em", "button_width": "auto"}}
         part = as_choice("part", part, tuple(PARTS))
         self.choice = ipywidgets.ToggleButtons(options=list(PARTS), value=part, description="part", **row)
-        self.upload = ipywidgets.FileUpload(accept=SUFFIXES.replace(" ", ","), description="your file")
+        self.upload = ipywidgets.FileUpload(accept=",".join(interchange.READABLE), description="your file")
         units = {"as stated, or mm": None, **{unit: unit for unit in ("mm", "cm", "m", "inch")}}
         self.unit = ipywidgets.ToggleButtons(options=units, description="its unit", **row)
         self.stepper = ipywidgets.SelectionSlider(
-            options=steppers, value="chord-corrected", description="stepper", **late
+            options=list(software_steppers()), value="chord-corrected", description="stepper", **late
         )
         self.cutter = ipywidgets.ToggleButtons(options=cutters, description="cutter", **row)
         self.dialect = ipywidgets.ToggleButtons(options=list(DIALECTS), description="dialect", **row)
@@ -256,27 +251,23 @@ class Workbench:
         self.status.value = self._work()
 
     def _changed(self, change):
-        """Process the part again and show the results."""
-        if change["owner"] is self.choice:
-            self.upload.unobserve_all("value")
-            self.upload.value = ()
-            self.upload.observe(self._changed, "value")
+        """Process the part again and show the results; a file takes the place of a part, and the reverse."""
+        if change["new"] and change["owner"] in (self.choice, self.upload):
+            other, nothing = (self.upload, ()) if change["owner"] is self.choice else (self.choice, None)
+            other.unobserve(self._changed, "value")
+            other.value = nothing
+            other.observe(self._changed, "value")
         self.status.value = "working ..."
         self.status.run(self._work)
 
     def _work(self):
         import ipywidgets
 
-        part = work(
-            self._chosen(),
-            tolerance=self.tolerance.value,
-            speed=self.speed.value,
-            acceleration=25 * self.speed.value,
-            stepper=self.stepper.value,
-            cutter=self.cutter.value,
-            scallop=self.scallop.value,
-        )
-        self.part, self.pictures = part, part.pictures()
+        name, part = self._chosen()
+        names = "tolerance", "speed", "stepper", "cutter", "scallop"
+        options = {name: getattr(self, name).value for name in names}
+        part = work(part, acceleration=25 * self.speed.value, **options)
+        self.name, self.part, self.pictures = name, part, part.pictures()
         self.gallery.children = [
             ipywidgets.VBox([ipywidgets.HTML(f"<b>{caption}</b>"), ipywidgets.Image(value=png, width=380)])
             for caption, png in self.pictures.items()
@@ -284,20 +275,25 @@ class Workbench:
         return "<br>".join(part.summary().splitlines())
 
     def _chosen(self):
+        """The name and the content of what is to be shown."""
         if not self.upload.value:
-            return PARTS[self.choice.value]()
+            name = as_choice("part", self.choice.value, tuple(PARTS))
+            return name, PARTS[name]()
         file = self.upload.value[0]
         with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / Path(file["name"]).name
+            path = Path(folder, Path(file["name"]).name)
             path.write_bytes(bytes(file["content"]))
-            return read_part(path, self.unit.value)
+            try:
+                return path.name, read_part(path, self.unit.value)
+            except ValueError as error:  # names a folder that nobody knows
+                raise ValueError(str(error).replace(str(path), path.name)) from None
 
     def _export(self):
         options = {"dialect": self.dialect.value, "tolerance": 0.01, "units": "mm", "axes": "XYZ"}
-        return "written: " + html.escape(", ".join(map(str, self.part.export(self.folder, **options))))
+        files = ", ".join(map(str, self.part.export(self.folder, **options)))
+        return html.escape(f"{self.name} is written: {files}")
 
     def _repr_mimebundle_(self, **options):
-        alt = f"{self.choice.value}: {', '.join(self.pictures)}"
-        picture = sheet(self.pictures, width=520, columns=2)
-        data, told = bundle(picture, f"Workbench({self.choice.value!r})", alt)
+        alt = f"{self.name}: {', '.join(self.pictures)}"
+        data, told = bundle(sheet(self.pictures, width=520, columns=2), f"Workbench({self.name!r})", alt)
         return self.widget._repr_mimebundle_(**options) | data, told

@@ -39,7 +39,8 @@ def as_reals(name, value, shape=None):
             raise ValueError(f"{name} {said}") from None
         raise TypeError(f"{name} must hold real numbers, got {shown(value)}") from None
     if array.dtype.kind not in "iuf":
-        raise TypeError(f"{name} must hold real numbers, got {array.dtype}")
+        got = shown(value) if array.dtype.kind == "U" else array.dtype
+        raise TypeError(f"{name} must hold real numbers, got {got}")
     if shape is not None and array.ndim != len(shape):
         raise ValueError(f"{name} must have shape ({', '.join(shape)}), got {array.shape}")
     return array.astype(np.float64, order="C")

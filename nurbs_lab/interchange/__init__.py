@@ -60,8 +60,8 @@ __all__ = ["DIALECTS", "Setup", "blend", "export", "read", "smooth"]
 _FORMATS = {".step": "_step", ".stp": "_step", ".iges": "_iges", ".igs": "_iges", ".json": "_json"}
 _FORMATS |= {".obj": "_triangles", ".stl": "_triangles", ".csv": "_table"}
 _FORMATS |= dict.fromkeys(PROGRAMS, "_gcode")
-_READABLE = _FORMATS | {".txt": "_table"} | dict.fromkeys(PROGRAMS, "_gcode_reader")
-_READABLE |= dict.fromkeys((".ply", ".off", ".3mf", ".glb"), "_triangles")
+READABLE = _FORMATS | {".txt": "_table"} | dict.fromkeys(PROGRAMS, "_gcode_reader")
+READABLE |= dict.fromkeys((".ply", ".off", ".3mf", ".glb"), "_triangles")
 
 
 def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, axes=None, setup=None):
@@ -213,9 +213,9 @@ def read(path, unit=None):
     ...     nl.read(nl.export(f"{folder}/curve.json", nl.paper.CURVE))
     [NurbsCurve(degree 2, 7 control points in 2-D, polynomial, u in [0, 1])]
     """
-    path, module = _format_of(path, _READABLE)
+    path, module = _format_of(path, READABLE)
     as_file("path", path)
-    if unit is not None and _READABLE[path.suffix.lower()] != "_triangles":
+    if unit is not None and READABLE[path.suffix.lower()] != "_triangles":
         raise ValueError(f"unit is {unit!r}, but {path.name!r} is no mesh file; leave it out")
     try:
         found = module.read(path) if unit is None else module.read(path, unit)

@@ -28,7 +28,7 @@ _MODULES = {
     "paths": "binding chord_error feed figures_8_to_10 fluctuation leaderboard orders path",
     "slices": "layer weighted_graph",
     "sliders": "explore",
-    "solids": "cloud control_net deviation faces figure_7 layers mesh surface",
+    "solids": "cloud deviation faces figure_7 layers mesh surface",
     "stage": "scene show",
     "style": "subplots",
 }

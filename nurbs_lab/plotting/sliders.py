@@ -4,12 +4,14 @@ import html
 import re
 import signal
 import threading
+import warnings
 
 import ipywidgets
 import numpy as np
 from IPython import get_ipython
 from matplotlib.figure import Figure
 
+from nurbs_lab.common.checks import as_sequence, shown
 from nurbs_lab.plotting.general import animation
 from nurbs_lab.plotting.picture import bundle, opened, png_of, stored_png, words
 from nurbs_lab.plotting.stage import FONT, INK, live, png
@@ -18,7 +20,7 @@ FRAMES, FRAME_S = 8, 0.8  # of a stored explorer
 
 
 class Status(ipywidgets.HTML):
-    """A line of text below controls; it shows the errors of their work, which have no cell to be shown in."""
+    """A line of text below controls, with the errors and warnings of their work, which no cell can show."""
 
     def __init__(self):
         super().__init__()
@@ -47,13 +49,17 @@ class Status(ipywidgets.HTML):
             signal.signal(signal.SIGINT, before)
 
     def _run(self, work):
-        """An error or an interrupt becomes the text; what the widget showed before stays."""
-        try:
-            self.value = work() or ""
-        except KeyboardInterrupt:
-            self.value = "<b>stopped; what is shown is the last result</b>"
-        except Exception as problem:
-            self.value = f"<b>{html.escape(str(problem) or type(problem).__name__)}</b>"
+        """Errors, interrupts and warnings become the text; what was shown before an error stays."""
+        with warnings.catch_warnings(record=True) as warned:
+            warnings.simplefilter("always", UserWarning)
+            try:
+                said = work() or ""
+            except (Exception, KeyboardInterrupt) as problem:
+                stopped = isinstance(problem, KeyboardInterrupt)
+                said = "stopped" if stopped else html.escape(str(problem) or type(problem).__name__)
+                said = f"<b>{said}; what is shown is the last result</b>"
+        lines = dict.fromkeys([said, *(html.escape(str(one.message)) for one in warned)])
+        self.value = "<br>".join(filter(None, lines))
 
 
 class Explorer(ipywidgets.VBox):
@@ -141,15 +147,19 @@ def _shown(value):
 def _control(name, value):
     look = {"description": label(name), "layout": {"width": "32em"}}
     look["style"] = {"description_width": "initial"}
-    if isinstance(value, tuple):
-        first, last, *step = value
-        if all(isinstance(v, (int, np.integer)) for v in value):
-            kind, step, middle = ipywidgets.IntSlider, step or [1], (first + last) // 2
-        else:
-            kind, step, middle = ipywidgets.FloatSlider, step or [(last - first) / 100], (first + last) / 2
-        return kind(value=middle, min=first, max=last, step=step[0], **look)
-    # A menu would do, but JupyterLab takes the arrow keys away from it.
-    return ipywidgets.SelectionSlider(options=list(value), **look)
+    if not isinstance(value, tuple) and as_sequence(name, value):
+        # A menu would do, but JupyterLab takes the arrow keys away from it.
+        return ipywidgets.SelectionSlider(options=list(value), **look)
+    rising = len(value) in (2, 3) and all(isinstance(v, (int, float, np.number)) for v in value)
+    if not (rising and -np.inf < value[0] <= value[1] < np.inf and min(value[2:], default=1) > 0):
+        said = "(first, last) or (first, last, step), rising, or a list"
+        raise ValueError(f"{name} must be {said}; got {shown(value)}")
+    first, last, *step = value
+    whole = all(isinstance(v, (int, np.integer)) for v in value)
+    step = step[0] if step else 1 if whole else (last - first) / 100 or 1.0
+    middle = np.round(first + (last - first) / step // 2 * step, 12)  # where the slider can stand
+    kind = ipywidgets.IntSlider if whole else ipywidgets.FloatSlider
+    return kind(value=middle, min=first, max=last, step=step, **look)
 
 
 explore = Explorer

@@ -8,7 +8,7 @@ from nurbs_lab.mesh.read import arrays_of
 from nurbs_lab.mesh.solid.faces import KINDS, kinds_of_faces
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters
 from nurbs_lab.plotting.picture import FONT
-from nurbs_lab.plotting.stage import CLAY, INK, frame, lay, lift, name_points, polylines, scene, takes_stage
+from nurbs_lab.plotting.stage import CLAY, INK, frame, lay, lift, name_points, scene, takes_stage
 from nurbs_lab.plotting.style import BLUE, COLOURS, DISTANCE, GREEN, MAGNITUDE, RED, SIGNED
 
 MATERIAL = {"ambient": 0.12, "diffuse": 0.9, "specular": 0.25, "specular_power": 30}
@@ -135,22 +135,6 @@ def _trimmed(solid, stage, colour, rims, title, left=0.0):
 
 
 _mesh, _layers = mesh, layers  # whose names the arguments of the next functions take
-
-
-@takes_stage
-def control_net(surface, *, stage=None, title=None):
-    """A surface and its net of control points, which is seen through it.
-
-    Parameters
-    ----------
-    surface : NurbsSurface, sequence of them, or Reconstruction
-    """
-    for one in surfaces_of(surface):
-        net = one.control_points
-        stage.add_mesh(quilt(one), color=CLAY, opacity=0.6, interpolation="Phong", **MATERIAL)
-        stage.add_mesh(polylines([*net, *net.swapaxes(0, 1)]), color=INK, line_width=1)
-        stage.add_points(net.reshape(-1, 3), color=RED, point_size=12, render_points_as_spheres=True)
-    return frame(stage, title=title)
 
 
 @takes_stage

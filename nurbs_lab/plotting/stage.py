@@ -12,6 +12,7 @@ import pyvista as pv
 from matplotlib.figure import Figure
 from PIL import Image
 
+from nurbs_lab.common.checks import as_kind
 from nurbs_lab.plotting.orbit import MIME, packed
 from nurbs_lab.plotting.picture import FONT, Stored, stored_png
 
@@ -158,6 +159,7 @@ def png(stage):
 
 def image(stage):
     """The picture of a scene as a Pillow image in full colour; the scene is closed."""
+    as_kind("what is drawn, if no Figure,", stage, pv.Plotter)
     stage.off_screen = True  # in a live JupyterLab it was made to be shown
     stage.render_window.SetOffScreenRendering(True)
     picture = Image.fromarray(stage.screenshot(return_img=True))

@@ -8,7 +8,7 @@ from importlib import import_module
 import numpy as np
 
 from nurbs_lab import LATE_STEPPERS
-from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_number, shown
+from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_number, as_reals, as_vector, shown
 from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.motion.prepared_curve import Track
 from nurbs_lab.nurbs import NurbsCurve
@@ -50,6 +50,10 @@ class Steps:
     evaluations: tuple[int, int, int, int]
     points: np.ndarray | None = None
     details: Mapping = field(default_factory=dict)
+
+    def __post_init__(self):
+        object.__setattr__(self, "u", as_reals("u", self.u, ("n",)))
+        as_vector("evaluations", self.evaluations, 4)
 
 
 @dataclass(frozen=True)
@@ -149,7 +153,7 @@ def software_steppers():
 
 def register(stepper):
     """Add a stepper under its name; ``trace`` and every test that runs over ``STEPPERS`` then know it."""
-    _STEPPERS[stepper.name] = stepper
+    _STEPPERS[as_kind("stepper", stepper, Stepper).name] = stepper
     return stepper
 
 
@@ -174,7 +178,10 @@ def run(stepper, job, options):
             + ", ".join(repr(one.name) for one in _STEPPERS.values() if one.keeps)
         )
     steps = as_kind(f"what {stepper.name!r} returns", stepper.run(job, **options), Steps)
-    u, forward = steps.u, np.append(np.diff(steps.u) >= 0.0, steps.u[-1] == job.track.domain[1])
+    u, (begin, end) = steps.u, job.track.domain
+    forward = np.append(np.diff(u) >= 0.0, u[-1:] == end)
+    if steps.points is None and u[:1].tolist() != [begin]:
+        raise ValueError(f"u of {stepper.name!r} begins with {u[:1]}; it must begin with {begin:.9g}")
     if steps.points is None and not forward.all():
         step = int(forward.argmin())
         what = "no forward step" if step < len(u) - 1 else "the end of the curve is not reached"

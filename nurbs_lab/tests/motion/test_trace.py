@@ -164,6 +164,28 @@ def test_a_rule_may_give_a_list_but_not_bare_parameters():
         traced(wanted)
 
 
+@pytest.mark.parametrize(
+    ("u", "counts", "refused"),
+    [
+        ("abc", (0, 4, 0, 0), "u must hold real numbers, got 'abc'"),
+        ([[0.0], [1.0]], (0, 4, 0, 0), "u must have shape"),
+        (np.array([0, 1j]), (0, 4, 0, 0), "u must hold real numbers, got complex128"),
+        ([], (0, 4, 0, 0), r"u of 'mine' begins with \[\]; it must begin with 0"),
+        ([0.0, 1.0], (4, 0), "evaluations must have 4 coordinates, got 2"),
+        ([0.1, 1.0], (0, 4, 0, 0), r"u of 'mine' begins with \[0.1\]; it must begin with 0"),
+    ],
+)
+def test_what_a_rule_of_ones_own_returns_is_checked(u, counts, refused):
+    def run(job):
+        return nl.motion.Steps(u, counts)
+
+    rule = nl.motion.Stepper("mine", "wrong on purpose", (0, 4, 0, 0), run)
+    with pytest.raises((TypeError, ValueError), match=refused):
+        nl.trace(nl.paper.CURVE, 4.0, stepper=rule, period_s=1e-2)
+    with pytest.raises(TypeError, match="stepper must be a Stepper, got function"):
+        nl.motion.register(run)
+
+
 @pytest.mark.parametrize("stepper", ["adams", "rk4", "paper"])
 def test_a_plan_whose_steps_leap_over_short_spans_is_refused(stepper):
     """A span of 1e-9 mm between others of 1 mm with knots as far apart: |C'| is 1e-9 of theirs."""

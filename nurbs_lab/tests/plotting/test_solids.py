@@ -43,7 +43,6 @@ def draw(name, pipe, sheet):
         "mesh": lambda: plot.mesh(pipe),
         "layers": lambda: plot.layers(layers, mesh=pipe),
         "surface": lambda: plot.surface(sheet),
-        "control net": lambda: plot.control_net(sheet),
         "deviation": lambda: plot.deviation(pipe, np.abs(pipe.vertices[:, 0]) / 100),
         "figure 7": lambda: plot.figure_7(pipe.sample(2000, seed=0), pipe, layers, [sheet]),
         "program": lambda: plot.program(program, part=pipe),
@@ -53,7 +52,7 @@ def draw(name, pipe, sheet):
 
 @pytest.mark.parametrize(
     "name",
-    ["cloud", "mesh", "layers", "surface", "control net", "deviation", "figure 7", "program", "milled"],
+    ["cloud", "mesh", "layers", "surface", "deviation", "figure 7", "program", "milled"],
 )
 def test_the_picture_is_filled(name, pipe, sheet):
     picture = pixels(draw(name, pipe, sheet))

@@ -165,3 +165,19 @@ def test_an_uploaded_file_is_worked_and_a_bad_one_is_refused_kindly(tmp_path):
     bench.choice.value = "butterfly"
     assert bench.upload.value == ()
     assert bench.part.curve.length() > 300
+
+
+def test_a_refused_or_doubtful_file_is_named_and_never_taken_for_another(tmp_path, ball):
+    """The text tells of warnings, of what is shown still, and of what is exported; a part can be had back."""
+    bench = Workbench("the paper's curve", tmp_path)
+    bench.upload.value = uploaded("tiny.stl", ball.copy().apply_scale(0.05).export(file_type="stl"))
+    assert bench.choice.value is None
+    bench.upload.value = uploaded("small.stl", ball.copy().apply_scale(0.028).export(file_type="stl"))
+    assert "states no unit" in bench.status.value
+    bench.upload.value = uploaded("empty.stl", b"")
+    assert bench.status.value.startswith("<b>path: &#x27;empty.stl&#x27; cannot be read")
+    assert "what is shown is the last result" in bench.status.value
+    bench.button.click()
+    assert bench.status.value.startswith("small.stl is written: ")
+    bench.choice.value = "the paper's curve"  # which it was before the files
+    assert (bench.upload.value, bench.part.curve) == ((), nl.paper.CURVE)
