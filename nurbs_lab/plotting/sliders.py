@@ -16,7 +16,7 @@ from nurbs_lab.plotting.general import animation
 from nurbs_lab.plotting.picture import bundle, opened, png_of, stored_png, words
 from nurbs_lab.plotting.stage import FONT, INK, live, png
 
-FRAMES, FRAME_S = 8, 0.8  # of a stored explorer
+FRAMES, FRAME_S = 8, 1.5  # of a stored explorer
 
 
 class Status(ipywidgets.HTML):
