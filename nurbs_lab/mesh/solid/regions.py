@@ -38,7 +38,6 @@ class Facets:
     sides: np.ndarray  # pairs of neighbouring facets, for each edge of the mesh one in either direction
     ends: np.ndarray  # the vertex where each of these edges begins in that direction
     turn: np.ndarray  # the cosine of the angle between them there
-    smooth: np.ndarray | None = None  # which of them turn by less than a sharp angle
     through: dict[bytes, list] = field(default_factory=dict)  # what `surfaces` found for groups
 
     def vertices(self, facets):
@@ -126,12 +125,11 @@ def regions_of(facets, sharp_angle, least=None):
     To free form belong smaller regions, and those that meet it, or one another, smoothly but do not touch.
     None if nothing else is left.
     """
-    facets = replace(facets, smooth=facets.turn > np.cos(np.radians(sharp_angle)))
-    links, label, found = _search(facets, least)
+    sharp = np.cos(np.radians(sharp_angle))
+    links, label, found = _search(facets, sharp, least)
     if (apart := _of_several(facets, found, label)).any():
         facets = facets_of(facets.part, apart)
-        facets = replace(facets, smooth=facets.turn > np.cos(np.radians(sharp_angle)))
-        links, label, found = _search(facets, least)
+        links, label, found = _search(facets, sharp, least)
     _absorb(facets, found, label)
     left = np.flatnonzero(label < 0)
     group = connected_components(links[left][:, left], False)[1]
@@ -146,7 +144,7 @@ def regions_of(facets, sharp_angle, least=None):
         found.append(fit("plane", points, None, facets.normals[[f]], facets.areas[[f]]))
     if least is not None:
         label[np.bincount(label + 1, facets.areas)[label + 1] < least] = -1
-        _join_free(facets, found, label)
+        _join_free(facets, sharp, found, label)
     label = label[facets.of]
     kept, counts = np.unique(label[label >= 0], return_counts=True)
     if not len(kept):
@@ -156,9 +154,9 @@ def regions_of(facets, sharp_angle, least=None):
     return number[label], *made_equal([found[k] for k in order])
 
 
-def _join_free(facets, found, label):
+def _join_free(facets, sharp, found, label):
     """Regions become free form that meet other regions smoothly where their surfaces do not touch."""
-    smooth = facets.smooth & (np.diff(label[facets.sides], axis=1)[:, 0] != 0)
+    smooth = (facets.turn > sharp) & (np.diff(label[facets.sides], axis=1)[:, 0] != 0)
     sides, points = label[facets.sides[smooth]].T, facets.points[facets.ends[smooth]]
     normals = np.zeros((2, len(points), 3))
     for side, beside in zip(sides, normals, strict=True):
@@ -176,13 +174,13 @@ def _of_several(facets, found, label):
     return ((np.bincount(facets.of, ~on) == 0) & (label < 0))[facets.of]
 
 
-def _search(facets, least):
+def _search(facets, sharp, least):
     """Links across smooth sides; round surfaces through facets, none of which overlap, and their numbers.
 
     If a ``least`` area is given, connected facets are searched on their own, for a search among others may be
     in vain; not those that are smaller together.
     """
-    smooth, count = facets.sides[facets.smooth], len(facets.areas)
+    smooth, count = facets.sides[facets.turn > sharp], len(facets.areas)
     links = csr_matrix((np.ones(len(smooth)), tuple(smooth.T)), (count, count))
     label, found, vain = np.full(count, -1), [], np.zeros(count)
     part = np.zeros(count, int) if least is None else connected_components(links, False)[1]

@@ -12,7 +12,7 @@ from OCP.TopAbs import TopAbs_FACE, TopAbs_SOLID
 
 import nurbs_lab as nl
 from nurbs_lab.tests.interchange.shapes import assert_same
-from nurbs_lab.tests.mesh.test_exact_faces import parts
+from nurbs_lab.tests.mesh.cad import parts
 
 
 def solids(path):

@@ -1,169 +1,32 @@
 """Solids made with OpenCASCADE and meshed come back with the faces that they had."""
 
 from collections import Counter
-from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
-import pyvista as pv
 import trimesh
-from OCP.BRep import BRep_Tool
-from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
-from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
-from OCP.BRepCheck import BRepCheck_Analyzer
-from OCP.BRepFilletAPI import BRepFilletAPI_MakeChamfer, BRepFilletAPI_MakeFillet
-from OCP.BRepGProp import BRepGProp
-from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.BRepPrimAPI import (
-    BRepPrimAPI_MakeBox,
     BRepPrimAPI_MakeCone,
-    BRepPrimAPI_MakeCylinder,
-    BRepPrimAPI_MakeSphere,
 )
 from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
-from OCP.GProp import GProp_GProps
-from OCP.ShapeUpgrade import ShapeUpgrade_UnifySameDomain
-from OCP.STEPControl import STEPControl_Reader
-from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_REVERSED
-from OCP.TopExp import TopExp_Explorer
-from OCP.TopLoc import TopLoc_Location
-from OCP.TopoDS import TopoDS
 
 import nurbs_lab as nl
 from nurbs_lab.mesh.solid import regions
 from nurbs_lab.mesh.solid.faces import kinds_of_faces
-
-
-def parts(shape, kind):
-    explorer = TopExp_Explorer(shape, kind)
-    while explorer.More():
-        yield explorer.Current()
-        explorer.Next()
-
-
-def box(x, y, z, a, b, c):
-    return BRepPrimAPI_MakeBox(gp_Pnt(x, y, z), a, b, c).Shape()
-
-
-def rod(x, y, z, radius, height, along=(0, 0, 1)):
-    return BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(x, y, z), gp_Dir(*along)), radius, height).Shape()
-
-
-def joined(one, other):
-    union = ShapeUpgrade_UnifySameDomain(BRepAlgoAPI_Fuse(one, other).Shape(), True, True, False)
-    union.Build()
-    return union.Shape()
-
-
-def without(one, *others):
-    for other in others:
-        one = BRepAlgoAPI_Cut(one, other).Shape()
-    return one
-
-
-def rounded(shape, radius, chosen, tool=BRepFilletAPI_MakeFillet):
-    maker, seen = tool(shape), set()
-    for edge in map(TopoDS.Edge_s, parts(shape, TopAbs_EDGE)):
-        curve = BRepAdaptor_Curve(edge)
-        middle = curve.Value((curve.FirstParameter() + curve.LastParameter()) / 2)
-        place = tuple(round(x, 4) for x in (middle.X(), middle.Y(), middle.Z()))
-        if place not in seen and chosen(*place):
-            maker.Add(radius, edge)
-        seen.add(place)
-    return maker.Shape()
-
-
-def meshed(shape, distance, angle):
-    BRepMesh_IncrementalMesh(shape, distance, False, angle, False)
-    vertices, triangles = [], []
-    for face in map(TopoDS.Face_s, parts(shape, TopAbs_FACE)):
-        found = BRep_Tool.Triangulation_s(face, TopLoc_Location())
-        nodes = [found.Node(i + 1) for i in range(found.NbNodes())]
-        corners = np.array([found.Triangle(i + 1).Get() for i in range(found.NbTriangles())])
-        order = corners[:, ::-1] if face.Orientation() == TopAbs_REVERSED else corners
-        triangles.append(order - 1 + len(vertices))
-        vertices += [(p.X(), p.Y(), p.Z()) for p in nodes]
-    return trimesh.Trimesh(vertices, np.concatenate(triangles))
-
-
-def sizes(shape):
-    """Kind and radii of every face, by OpenCASCADE."""
-    out = []
-    for face in map(TopoDS.Face_s, parts(shape, TopAbs_FACE)):
-        surface = BRepAdaptor_Surface(face)
-        kind = str(surface.GetType()).split("_")[-1].lower()
-        if kind == "torus":
-            out.append((kind, surface.Torus().MinorRadius(), surface.Torus().MajorRadius()))
-        elif kind == "cone":
-            out.append((kind, np.degrees(abs(surface.Cone().SemiAngle())), 0.0))
-        elif kind in ("cylinder", "sphere"):
-            out.append((kind, getattr(surface, kind.capitalize())().Radius(), 0.0))
-        else:
-            out.append((kind, 0.0, 0.0))
-    return sorted(out)
-
-
-def volume(shape):
-    properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, properties, 1e-9)
-    return properties.Mass()
-
-
-def plate():
-    places = ((10, 10, 4), (50, 10, 4), (50, 30, 4), (10, 30, 4), (30, 20, 9))
-    return without(box(0, 0, 0, 60, 40, 6), *(rod(x, y, -1, r, 8) for x, y, r in places))
-
-
-def bracket():
-    part = joined(box(0, 0, 0, 40, 30, 6), box(0, 0, 0, 6, 30, 35))
-    part = rounded(part, 5.0, lambda x, y, z: abs(x - 6) < 1e-3 and abs(z - 6) < 1e-3)
-    return without(part, rod(26, 15, -1, 5, 8), rod(-1, 15, 23, 5, 8, (1, 0, 0)))
-
-
-def boss():
-    part = joined(box(0, 0, 0, 40, 40, 8), rod(20, 20, 0, 8, 25))
-    return rounded(part, 3.0, lambda x, y, z: abs(z - 8) < 1e-3 and max(abs(x - 20), abs(y - 20)) < 9)
-
-
-def made(seed):
-    """A block with two round edges, crossing holes of random sizes, and a boss."""
-    rng = np.random.default_rng(seed)
-    a, b, c = rng.uniform(20, 60, 3)
-    r, s, t = rng.uniform(0.05, 0.18, 3) * min(a, b, c)
-    part = rounded(box(0, 0, 0, a, b, c), 2 * r, lambda x, y, z: abs(z - c / 2) < 1e-3 and x < 1e-3)
-    part = without(part, rod(a / 3, b / 2, -1, s, c + 2), rod(-1, b / 2, c / 2, t, a + 2, (1, 0, 0)))
-    return joined(part, rod(2 * a / 3, b / 2, c - 1, r, 10))
-
-
-PARTS = {f"made {seed}": partial(made, seed) for seed in range(5)} | {
-    "cylinder": lambda: rod(0, 0, 0, 10, 30),
-    "plate": plate,
-    "cube with fillets": lambda: rounded(box(0, 0, 0, 30, 20, 12), 4.0, lambda *_: True),
-    "chamfers": lambda: rounded(rod(0, 0, 0, 10, 30), 2.0, lambda *_: True, BRepFilletAPI_MakeChamfer),
-    "fillets of a rod": lambda: rounded(rod(0, 0, 0, 10, 30), 3.0, lambda *_: True),
-    "bracket": bracket,
-    "boss": boss,
-    "drilled ball": lambda: without(BRepPrimAPI_MakeSphere(10.0).Shape(), rod(0, 0, -20, 3, 40)),
-    "tee": lambda: joined(rod(0, 0, 0, 6, 40), rod(0, 0, 20, 4, 25, (1, 0, 0))),
-}
-
-
-def stored(folder, rebuilt):
-    """What OpenCASCADE reads from the STEP file of a reconstruction, a valid shape."""
-    reader = STEPControl_Reader()
-    reader.ReadFile(str(nl.export(folder / "part.step", rebuilt)))
-    reader.TransferRoots()
-    found = reader.OneShape()
-    assert BRepCheck_Analyzer(found).IsValid()
-    return found
-
-
-def apart(closed, mesh):
-    """The largest distance of vertices from the other mesh, both ways, by VTK."""
-    both = pv.wrap(closed), pv.wrap(mesh)
-    ways = (one.compute_implicit_distance(other)["implicit_distance"] for one, other in (both, both[::-1]))
-    return max(np.abs(gaps).max() for gaps in ways)
+from nurbs_lab.tests.mesh.cad import (
+    PARTS,
+    apart,
+    boss,
+    box,
+    meshed,
+    plate,
+    rod,
+    rounded,
+    sizes,
+    stored,
+    volume,
+    without,
+)
 
 
 @pytest.mark.parametrize("name", PARTS)
@@ -228,27 +91,6 @@ def test_a_report_names_no_value_that_only_rounding_makes():
     assert "made equal" not in told
 
 
-def test_capped_sections_are_a_closed_solid(tmp_path):
-    angle = np.linspace(0.0, 2.0 * np.pi, 65)
-    rings = [np.column_stack([r * np.cos(angle), r * np.sin(angle), 0 * angle + 3 * r]) for r in (2.0, 4.0)]
-    solid = nl.skin(rings, capped=True)
-    assert [face.kind for face in solid.faces] == ["patch", "plane", "plane"]
-    assert solid.volume == pytest.approx(np.pi * 6 / 3 * (4 + 8 + 16), rel=1e-5)
-    assert "2 exact, 1 smooth" in solid.report()
-    assert "mesh" not in solid.report()
-    assert volume(stored(tmp_path, solid)) == pytest.approx(solid.volume, rel=1e-6)
-    eight, up = np.column_stack([np.sin(angle), np.sin(2 * angle), 0 * angle]), np.array([0, 0, 1])
-    for wrong, said in (
-        ([ring[:30] for ring in rings], "closed"),
-        ([ring * (1, 1, 0) for ring in rings], "encloses no volume"),
-        ([eight, eight + up], "passes through itself|no volume"),  # OpenCASCADE's volume of it never ended
-        ([rings[0], rings[0] + 3 * up, rings[0] + up], "passes through itself"),
-        ([rings[0], eight + 20 * up], "crosses itself"),  # a cap that OpenCASCADE fails to make
-    ):
-        with pytest.raises(ValueError, match=said):
-            nl.skin(wrong, capped=True)
-
-
 @pytest.mark.parametrize("radius", [2.0, 2.5, 3.0])
 def test_fillets_of_half_the_radius_of_a_corner_and_more(radius):
     """Their tori are the outsides of horns and spindles, whose tubes cross their axes."""
@@ -299,19 +141,6 @@ def test_exact_faces_of_any_size(scale):
     assert tube.volume == pytest.approx(2 * np.pi * scale**3, rel=1e-5)
 
 
-@pytest.mark.parametrize("radii", [(2, 0), (0, 1, 2)])
-@pytest.mark.parametrize("tolerance", [0.02, 0.005])
-def test_capped_sections_that_end_in_a_point_are_watertight(radii, tolerance):
-    angle = np.linspace(0.0, 2.0 * np.pi, 65)
-    rings = [
-        np.column_stack([r * np.cos(angle), r * np.sin(angle), 0 * angle + z]) for z, r in enumerate(radii)
-    ]
-    mesh = nl.skin([ring if np.ptp(ring[:, 0]) else ring[:1] for ring in rings], capped=True).to_mesh(
-        tolerance
-    )
-    assert mesh.is_watertight
-
-
 def test_the_largest_deviation_is_known_whatever_the_tolerance():
     mesh = trimesh.creation.torus(20, 6, major_sections=48, minor_sections=24)
     rebuilt = nl.reconstruct(mesh, tolerance=1.5)
@@ -320,29 +149,6 @@ def test_the_largest_deviation_is_known_whatever_the_tolerance():
     x, y, z = places.T
     gaps = 6.0 - np.hypot(np.hypot(x, y) - 20.0, z)
     assert rebuilt.deviation.max == pytest.approx(np.abs(gaps).max(), rel=0.05)
-
-
-def test_layers_of_a_box_keep_its_corners():
-    layers = nl.slice_mesh(trimesh.creation.box((4, 6, 10)).subdivide(), np.linspace(-4.5, 4.5, 7))
-    solid = nl.skin(layers, capped=True)
-    assert solid.volume == pytest.approx(4 * 6 * 9, rel=1e-12)
-    assert [face.kind for face in solid.faces] == ["patch"] * 4 + ["plane"] * 2
-    rough = GProp_GProps()
-    BRepGProp.VolumeProperties_s(solid.shells[0].shape(), rough)  # its Gauss points see no crease in a face
-    assert rough.Mass() == pytest.approx(4 * 6 * 9, rel=1e-9)
-    layers[3] = replace(layers[3], contours=layers[3].contours * 2)
-    with pytest.raises(ValueError, match="has 2 contours"):
-        nl.skin(layers)
-
-
-def test_sections_in_a_ring_meet_smoothly():
-    angle = np.linspace(0.0, 2.0 * np.pi, 33)
-    x, z = 10 + 3 * np.cos(angle), 3 * np.sin(angle)
-    turns = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
-    ring = nl.skin([np.column_stack([x * np.cos(t), x * np.sin(t), z]) for t in turns], closed=True)
-    assert ring.closed == (True, True)
-    first, last = (ring.derivative(0.3, v, (0, 1)) for v in ring.domain[1])
-    assert np.allclose(first, last, atol=1e-9)
 
 
 def test_a_cone_that_meets_a_cylinder_at_14_degrees_is_exact():

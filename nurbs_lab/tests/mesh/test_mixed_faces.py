@@ -15,7 +15,7 @@ import nurbs_lab as nl
 from nurbs_lab.mesh import samples
 from nurbs_lab.mesh.repair import ClosedSurface
 from nurbs_lab.mesh.solid import regions
-from nurbs_lab.tests.mesh.test_exact_faces import (
+from nurbs_lab.tests.mesh.cad import (
     apart,
     box,
     joined,
