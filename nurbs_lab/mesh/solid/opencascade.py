@@ -19,7 +19,6 @@ try:
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.BRepTools import BRepTools, BRepTools_WireExplorer
     from OCP.Geom import Geom_BSplineCurve, Geom_BSplineSurface
-    from OCP.GeomLib import GeomLib_IsPlanarSurface
     from OCP.gp import gp_Pnt, gp_Trsf, gp_Vec
     from OCP.GProp import GProp_GProps
     from OCP.IMeshTools import IMeshTools_MeshAlgoType, IMeshTools_Parameters
@@ -30,7 +29,7 @@ try:
     from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_REVERSED, TopAbs_SHELL, TopAbs_WIRE
     from OCP.TopExp import TopExp
     from OCP.TopLoc import TopLoc_Location
-    from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Shape, TopoDS_Shell
+    from OCP.TopoDS import TopoDS, TopoDS_Shape, TopoDS_Shell
     from OCP.TopTools import TopTools_IndexedDataMapOfShapeListOfShape
 
     from nurbs_lab.mesh.solid.opencascade_reader import from_edge, from_face, parts
@@ -239,17 +238,9 @@ def _normals_along(edge, face, t):
 def triangles_of(shape, tolerance) -> trimesh.Trimesh:
     """Closed triangles within ``tolerance`` mm of a closed shape; attribute ``face`` numbers its faces."""
     BRepTools.Clean_s(shape)
-    how, others = IMeshTools_Parameters(), TopoDS_Compound()
+    how = IMeshTools_Parameters()
     how.Deflection, how.Angle = tolerance, 0.5
-    BRep_Builder().MakeCompound(others)
-    for face in map(TopoDS.Face_s, parts(shape, TopAbs_FACE)):
-        is_plane = GeomLib_IsPlanarSurface(BRep_Tool.Surface_s(face)).IsPlanar()
-        if not is_plane or len(list(parts(face, TopAbs_WIRE))) > 1:
-            BRep_Builder().Add(others, face)
-    # The usual algorithm is quadratic; this one can crash at a plane within an arc and its centre.
-    how.MeshAlgo = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Delabella
-    BRepMesh_IncrementalMesh(others, how)
-    how.MeshAlgo = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Watson
+    how.MeshAlgo = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Delabella  # the usual one is quadratic
     BRepMesh_IncrementalMesh(shape, how)
     vertices, faces, count = [], [], 0
     for one in parts(shape, TopAbs_FACE):
