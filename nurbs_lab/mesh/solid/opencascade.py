@@ -29,10 +29,10 @@ try:
     from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_REVERSED, TopAbs_SHELL, TopAbs_WIRE
     from OCP.TopExp import TopExp
     from OCP.TopLoc import TopLoc_Location
-    from OCP.TopoDS import TopoDS, TopoDS_Shape, TopoDS_Shell
+    from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Shape, TopoDS_Shell
     from OCP.TopTools import TopTools_IndexedDataMapOfShapeListOfShape
 
-    from nurbs_lab.mesh.solid.opencascade_reader import from_edge, from_face, parts
+    from nurbs_lab.mesh.solid.opencascade_reader import from_edge, from_face, is_flat, parts
 except ImportError as missing:
     raise ImportError(
         'STEP, IGES and exact faces need OpenCASCADE; get it by: pip install "cadquery-ocp-novtk==7.9.*"'
@@ -238,9 +238,16 @@ def _normals_along(edge, face, t):
 def triangles_of(shape, tolerance) -> trimesh.Trimesh:
     """Closed triangles within ``tolerance`` mm of a closed shape; attribute ``face`` numbers its faces."""
     BRepTools.Clean_s(shape)
-    how = IMeshTools_Parameters()
+    how, others = IMeshTools_Parameters(), TopoDS_Compound()
     how.Deflection, how.Angle = tolerance, 0.5
-    how.MeshAlgo = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Delabella  # the usual one is quadratic
+    BRep_Builder().MakeCompound(others)
+    for face in map(TopoDS.Face_s, parts(shape, TopAbs_FACE)):
+        if not is_flat(BRep_Tool.Surface_s(face)) or len(list(parts(face, TopAbs_WIRE))) > 1:
+            BRep_Builder().Add(others, face)
+    # The usual algorithm is quadratic; this one can crash at a plane within an arc and its centre.
+    how.MeshAlgo = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Delabella
+    BRepMesh_IncrementalMesh(others, how)
+    how.MeshAlgo = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Watson
     BRepMesh_IncrementalMesh(shape, how)
     vertices, faces, count = [], [], 0
     for one in parts(shape, TopAbs_FACE):

@@ -243,3 +243,11 @@ def test_exact_faces_that_cannot_be_drawn_become_patches(monkeypatch):
 def test_no_library_prints_that_a_guess_is_no_number(capfd):
     nl.reconstruct(trimesh.creation.cylinder(5, 20), tolerance=0.05)
     assert "illegal" not in "".join(capfd.readouterr())
+
+
+def test_a_quarter_of_a_fine_cone_ends_no_process():
+    """OpenCASCADE's Delabella algorithm crashed at the base, points of an arc and its centre."""
+    mesh = meshed(BRepPrimAPI_MakeCone(10.0, 0.0, 20.0, np.pi / 2).Shape(), 0.1, 0.1)
+    rebuilt = nl.reconstruct(mesh, tolerance=0.01)
+    assert rebuilt.volume == pytest.approx(mesh.volume, rel=1e-3)
+    assert apart(rebuilt.to_mesh(0.01), mesh) < 0.01
