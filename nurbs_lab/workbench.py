@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import tempfile
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,8 +41,8 @@ class Part:
     Attributes
     ----------
     curve : NurbsCurve
-        What the tool follows: the given curve, the cut of a program with most control points, or the longest
-        contour of a mesh at half its height.
+        What the tool follows: the given curve, the longest cut of a program, or the longest contour of a mesh
+        at half its height.
     path : ToolPath
         The motion along it.
     reconstruction : Reconstruction or None
@@ -146,7 +147,7 @@ def work(
     stepper : str
         One of `STEPPERS`.
     cutter : Cutter, optional
-        If given, the mesh is finished with it too.
+        If given, the mesh is finished with it too; curves and programs are not, with a warning.
     scallop : float
         Height of what the cutter may leave between its passes, in mm.
 
@@ -163,7 +164,7 @@ def work(
         cuts = [move for move in program.moves if move.kind == "cut"]
         if not cuts:
             raise ValueError("part: its program has no move that cuts; give one with G1, G2 or G3")
-        move = max(cuts, key=lambda move: len(move.curve.control_points))
+        move = max(cuts, key=lambda move: move.curve.length())
         curve, speed = move.curve, min(speed, move.feed or speed)
     elif isinstance(part, NurbsCurve):
         curve = part
@@ -180,6 +181,8 @@ def work(
         if cutter is not None:
             as_kind("cutter", cutter, Cutter)
             program = finish(part, cutter, scallop=scallop, tolerance=scallop / 5, feed=speed)
+    if made is None and cutter is not None:
+        warnings.warn("cutter is not used: only a mesh or a cloud of points is milled", stacklevel=2)
     feed = plan_feed(curve, speed=speed, acceleration=acceleration, chord_error=1e-3, period_s=1e-3)
     return Part(curve, trace(curve, feed, stepper=stepper), made, program, blocks)
 

@@ -98,6 +98,16 @@ def test_a_mesh_is_finished_with_a_cutter(tmp_path):
     assert nl.read(files[-1]).moves[0].kind == "rapid"
 
 
+def test_of_straight_cuts_the_longest_is_followed(tmp_path):
+    (tmp_path / "mine.ngc").write_text("G21 G90\nG0 X0 Y0 Z0\nG1 X5 F600\nG0 Y9\nG1 X40\nG0 Z5\nM2\n")
+    assert work(tmp_path / "mine.ngc").curve.length() == pytest.approx(35.0)
+
+
+def test_a_cutter_that_nothing_is_milled_with_is_named():
+    with pytest.warns(UserWarning, match="only a mesh or a cloud of points is milled"):
+        work(nl.paper.CURVE, speed=4, cutter=nl.Cutter("ball", diameter=2.0))
+
+
 def shown(bench):
     """The pictures by caption."""
     pairs = (child.children for child in bench.gallery.children)
