@@ -50,10 +50,11 @@ def finish(
         Largest distance between the curves and the exact path, in mm. The curves deviate only away from the
         part. It is less than 0.8 of the scallop and at least a millionth of the part's size.
     stock : block (2, 3), trimesh.Trimesh, file name, Part or Simulation, optional
-        What the part is cut from: least and largest corner, a closed mesh, or what `simulate` returned. It is
-        what ``after`` leaves, otherwise the box of the part, by default.
+        What the part is cut from: least and largest corner, a closed mesh, or what `simulate` returned; that
+        of ``after``, otherwise the box of the part, by default. Passes follow only where it stands out from
+        the part by more than the scallop, or, if it does so nowhere, everywhere.
     after : Program, optional
-        Cut before this one. Only where it leaves more than the scallop of its stock, passes follow.
+        Cut before this one. Only where it leaves more than the scallop, passes follow.
     feed : float
         Largest speed while cutting, in mm/s; ways down into material have a third of it.
     machine : Limits, optional
@@ -123,7 +124,7 @@ def finish(
 
 
 def covering(fitting, closer, plan, scallop, stock, after, material):
-    """Paths that leave no more than the scallop where the cutter reaches the part and ``after`` left more.
+    """Paths that leave no more than the scallop where the cutter reaches the part and there is more.
 
     What is left is measured on samples of the part, beyond what the cutter must leave there, and as material
     that stands above them. As the cutter is enlarged by half the tolerance, it does not enter gaps that it
@@ -142,11 +143,11 @@ def covering(fitting, closer, plan, scallop, stock, after, material):
     samples, found, tips, gaps = samples[near], found[near], tips[near], gaps[near]
     points, plan = samples.points, plan.with_steps(tips[found], samples.normals[found])
     done = [] if after is None else [swept(one.cutter, program_tips(one)) for one in after.chain]
-    far, above = np.full(len(points), 2.0 * scallop + gaps.max(initial=0.0)), material.above(points)
-    if after is not None:
-        far = np.minimum(far, depths(stock, above, points))
+    above = material.above(points)
+    far = np.minimum(2.0 * scallop + gaps.max(initial=0.0), depths(stock, above, points))
     far, _ = left_over(done, points, far, gaps + scallop)
     poor, before = far - gaps > scallop, np.inf
+    poor |= after is None and not poor.any()  # of a stock that has the shape of the part
     first = plan.paths(tips[poor], tips[~poor])
     paths, fresh = [], fit_paths(fitting, first)
     while before:

@@ -32,10 +32,10 @@ class Verification(Value):
         Tips at which a cutter cuts into the part, and how much smaller all round it must be not to do so.
     left : (m,) array
         Material left on each sample of the reached surface, in increasing order: its distance from the
-        nearest cutter, however far, or the height of the stock above it if that is known and less, or of a
-        program planned after another its distance from a side of the stock. The little that a disc leaves
-        there at rest is subtracted. Where material above a sample stands out more than is left at any of
-        them, as a pillar beside a pass, it is how far.
+        nearest cutter, however far, or, if the stock is known, the height of that above it or its distance
+        from a side of that, if less. The little that a disc leaves there at rest is subtracted. Where
+        material above a sample stands out more than is left at any of them, as a pillar beside a pass, it is
+        how far.
     areas : (m,) array
         Area that each sample represents.
     points : (m, 3) array
@@ -165,7 +165,7 @@ def verify(program, part, *, spacing=None) -> Verification:
     stock = as_stock(chain[0].stock, part)
     above = material_of(stock, program.cutter).above(samples.points)
     if chain[0].stock is not None:
-        left = np.minimum(left, above if program.after is None else depths(stock, above, samples.points))
+        left = np.minimum(left, depths(stock, above, samples.points))
     left = left - gaps
     for touch, cutter, rest, fits in rests:
         high = max(left[fits].max(initial=0.0), program.tolerance)

@@ -111,8 +111,10 @@ def test_slivers_cost_what_their_area_costs():
     assert np.abs(samples.points.mean(axis=0)[:2]).max() < 0.01
 
 
-def test_nothing_fast_touches_material_and_a_program_says_so_if_it_does(program):
-    """In the full block of the part, on a grid finer than the one of the plan."""
+def test_nothing_fast_touches_material_and_a_program_says_so_if_it_does():
+    """In a block around the part, on a grid finer than the one of the plan."""
+    around, options = machining.stock_around(hills()), {"scallop": SCALLOP, "tolerance": TOLERANCE}
+    program = nl.finish(hills(), CUTTERS["ball"], stock=around, **options)
     assert program.warnings == ()
     milled = nl.simulate(program, resolution=0.1)
     rapid = np.array([move.kind == "rapid" for move in program.moves])
@@ -122,7 +124,7 @@ def test_nothing_fast_touches_material_and_a_program_says_so_if_it_does(program)
     assert (first[:2] == second[:2]).all()  # down only: it comes up before it goes across
     plunges = [move for move in program.moves if move.kind == "plunge"]
     assert max(move.feed for move in plunges) < 20.0
-    blind = nl.finish(hills(), CUTTERS["ball"], scallop=SCALLOP, tolerance=TOLERANCE, stock=hills())
+    blind = nl.finish(hills(), CUTTERS["ball"], stock=hills(), **options)
     taller = hills().bounds + np.array([[0.0], [10.0]]) * (0.0, 0.0, 1.0)
     said = nl.verify(replace(blind, stock=taller), hills()).report()
     assert "rapid moves cut material" in said

@@ -32,10 +32,11 @@ def test_a_rest_pass_cuts_only_what_the_larger_cutter_left():
     assert nl.simulate(rest, rest.stock, 0.1).volumes[rapid].sum() == 0.0
 
 
-def test_after_roughing_only_what_the_stock_had_is_finished():
-    """Sides and top of a block with a pocket that was cut from just that block need no pass."""
+@pytest.mark.parametrize("roughed", [True, False])
+def test_only_what_the_stock_had_is_finished(roughed):
+    """Sides and top of a block with a pocket that is cut from just that block need no pass."""
     part = block(lambda x, y: np.where((abs(x) < 7.2) & (abs(y) < 6.2), -3.0, 0.0), 24.0, 48)
-    rough = nl.rough(part, part.bounds, nl.Cutter("flat", 6.0, length=20.0), 2.0, 0.3)
+    rough = nl.rough(part, part.bounds, nl.Cutter("flat", 6.0, length=20.0), 2.0, 0.3) if roughed else None
     ball, options = nl.Cutter("ball", 4.0, length=20.0), {"scallop": 0.1, "tolerance": 0.02}
     program = nl.finish(part, ball, after=rough, **options)
     tips = np.concatenate([curve(np.linspace(*curve.domain, 50)) for curve in program.curves])

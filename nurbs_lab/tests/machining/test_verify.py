@@ -34,17 +34,18 @@ def test_verify_measures_the_strip_that_the_ball_bridges_and_no_pass_goes_throug
 
 
 def test_what_is_left_is_measured_however_far_it_reaches():
-    """One groove in a block that stands 3 mm above the part: its distance, or the height of the block."""
+    """One groove in a block 3 mm above the part, 2 mm beside it: its distance, or that of the block."""
     box = trimesh.creation.box(bounds=[(-10, -10, 0), (10, 10, 4)])
     line = nl.NurbsCurve(1, [0, 0, 1, 1], [(-15.0, 0.0, 5.0), (15.0, 0.0, 5.0)])
     stock = np.array([(-12.0, -12.0, 0.0), (12.0, 12.0, 7.0)])
     moves = [machining.Move("cut", line, 10.0)]
     program = machining.Program(moves, nl.Cutter("ball", 4.0, length=20.0))
-    for known, least in ((stock, 4.9), (None, 9.0)):
+    for known, least in ((stock, 2.9), (None, 9.0)):
         found = nl.verify(replace(program, stock=known), box)
-        y, z = found.points.T[1:]
+        x, y, z = found.points.T
         left = np.hypot(y, 7.0 - z) - 2.0
-        left = left if known is None else np.minimum(left, 7.0 - z)
+        faces = np.minimum(7.0 - z, 12.0 - np.maximum(abs(x), abs(y)))
+        left = left if known is None else np.minimum(left, faces)
         np.testing.assert_allclose(found.left, left, rtol=0, atol=1e-3)
         assert least < found.percentile(100) == pytest.approx(left.max(), abs=1e-3)
         assert f"{found.percentile(100):.4g} mm on all" in found.report()
