@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Kout in one clock cycle: s * du over the root of x * x + y * y between two registers, by three methods.
+// Kout in one clock cycle: s * du over the root of x * x + y * y between two registers, by five methods.
 // METHOD 0: root and quotient bit by bit, one sum for each; 1: a table of 1 / root, and a product for the quotient;
-// 2: a table of 1 / root for every x and y, in memories that register their address, and two products.
+// 2: a table of 1 / root for every x and y, in memories that register their address, and two products;
+// 3: the root bit by bit, the quotient two bits at a time (divide_in_one_cycle.v); 4: so too, where x is the length.
 // Table 1 is read from inverse_roots.hex, which synthesis.py writes; it errs by up to 0.15 %, a unit of its
 // words (0.8 % if W is 8) and two units of k. Table 2 has 4^W words, so W is small; it errs by up to half a unit of
 // its words (0.4 % if W is 8) and one unit of k. Its bits a, b, ... are read from inverse_lengths_a.hex, ...
@@ -19,7 +20,14 @@ module kout_in_one_cycle #(parameter integer W = 20, METHOD = 0) (
     generate
         if (METHOD == 0) bit_by_bit #(W) inside (squares, product, quotient);
         else if (METHOD == 1) table_of_roots #(W) inside (squares, product, quotient);
-        else table_of_lengths #(W) inside (clk, {x, y}, product, quotient);
+        else if (METHOD == 2) table_of_lengths #(W) inside (clk, {x, y}, product, quotient);
+        else begin : divided
+            wire [W-1:0] root, given, length;
+            assign given = x0;
+            assign length = METHOD == 3 ? root : given;
+            root_bit_by_bit #(W) inside (squares, root);
+            two_bits_at_a_time #(W) faster (product, length, quotient);
+        end
     endgenerate
     always @(posedge clk) begin x0 <= x; y0 <= y; du0 <= du; s0 <= s; k <= quotient; end
 endmodule
@@ -27,7 +35,20 @@ endmodule
 module bit_by_bit #(parameter integer W = 20) (
     input wire [2*W-1:0] squares, product, output reg [W-1:0] quotient
 );
-    reg [W-1:0] root; reg [W+2:0] rest; reg [W+1:0] left; // the highest bit of rest and left is a sign
+    wire [W-1:0] root; reg [W+1:0] left; // its highest bit is a sign
+    root_bit_by_bit #(W) inside (squares, root);
+    integer i;
+    always @* begin
+        left = product[2*W-1:W]; quotient = 0;
+        for (i = W - 1; i >= 0; i = i - 1) begin
+            left = {left[W:0], product[i]} + ({2'b0, root} ^ {W+2{!left[W+1]}}) + !left[W+1];
+            quotient[i] = !left[W+1];
+        end
+    end
+endmodule
+
+module root_bit_by_bit #(parameter integer W = 20) (input wire [2*W-1:0] squares, output reg [W-1:0] root);
+    reg [W+2:0] rest; // its highest bit is a sign
     integer i;
     always @* begin
         root = 0; rest = 0;
@@ -35,11 +56,6 @@ module bit_by_bit #(parameter integer W = 20) (
             rest = {rest[W:0], squares[2*i +: 2]}
                  + ({1'b0, root, rest[W+2], 1'b1} ^ {W+3{!rest[W+2]}}) + !rest[W+2];
             root = {root[W-2:0], !rest[W+2]};
-        end
-        left = product[2*W-1:W]; quotient = 0;
-        for (i = W - 1; i >= 0; i = i - 1) begin
-            left = {left[W:0], product[i]} + ({2'b0, root} ^ {W+2{!left[W+1]}}) + !left[W+1];
-            quotient[i] = !left[W+1];
         end
     end
 endmodule

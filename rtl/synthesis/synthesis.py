@@ -26,9 +26,9 @@ SEEDS = range(1, 9)
 #: What the chip has, the ECP5-25F.
 CHIP = {"cells": 24288, "multipliers": 28, "memory_blocks": 56}
 #: How ``Kout`` finds its root and its quotient in one cycle: the METHOD of kout_in_one_cycle.v, by number.
-KOUT_METHODS = ("bit by bit", "a table", "a table of x and y")
+KOUT_METHODS = ("bit by bit", "a table", "a table of x and y", "the quotient by two bits", "the length given")
 #: Methods and bits of the words: the shortest with which the paper's run starts, and far too short ones.
-KOUT_DESIGNS = ((0, 20), (1, 20), (0, 8), (1, 8), (2, 8))
+KOUT_DESIGNS = ((0, 20), (3, 20), (4, 20), (1, 20), (0, 8), (3, 8), (4, 8), (1, 8), (2, 8))
 #: The clock that is wanted.
 WANTED_MHZ = 50
 #: Depth to width of an M4K block of Cyclone II.
@@ -100,7 +100,8 @@ def in_one_cycle(folder, name, parameters):
     """The clocks of three placements of a module between two registers, in MHz."""
     top = f"{name}_in_one_cycle"
     values = " ".join(f"-set {key} {value}" for key, value in parameters.items())
-    read = f"read_verilog -defer rtl/synthesis/{top}.v; chparam {values} {top}; "
+    files = " ".join(f"rtl/synthesis/{module}_in_one_cycle.v" for module in ("kout", "divide"))
+    read = f"read_verilog -defer {files}; chparam {values} {top}; "
     synthesize_ecp5(folder, read, top)
     return [clock_mhz(place(folder, seed)) for seed in SEEDS[:3]]
 
