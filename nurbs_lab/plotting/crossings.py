@@ -44,8 +44,9 @@ def repeating_node(graph, contour, *, at=0, stage=None, title=None):
     first, second = _segment(contour, at), _segment(contour, at + 1)
     left = 0.3 * np.ptp(first, axis=0).max() * _view(triangles)[1]  # half of a name
     name_points(stage, triangles.mean(axis=1) - left, ["first", "second"], BLUE)
-    above = first[1:] + np.array([0.0, 0.0, 0.05 * np.ptp(triangles[0], axis=0).max()])
-    name_points(stage, above, ["  repeating node"], INK)
+    above = first[1] + [0.0, 0.0, 1.2 * (triangles[..., 2].max() - first[1, 2])]
+    stage.add_mesh(polylines([np.array([first[1], above])]), color=INK, line_width=1)
+    name_points(stage, above[None], ["  repeating node"], INK)
     return _framed(stage, title, triangles, contour, np.vstack([first, second[1:]]))
 
 
