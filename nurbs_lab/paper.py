@@ -37,16 +37,13 @@ class Claim(NamedTuple):
 
     Attributes
     ----------
-    item, kind, section : str
-        Its name, one of ``KINDS``, and the section of the paper in which it appears.
+    item, kind, section, verdict : str
+        Its name, one of ``KINDS``, the section of the paper in which it appears, and one of ``VERDICTS``.
     quote, reading : str
-        The paper's words or equation as our copy has them, and how we read them and why; Markdown.
-    verdict : str
-        One of ``VERDICTS``.
-    number : str
-        One number that supports the verdict, as the cell of notebook B with the tag ``check`` prints it.
-    check, notebook, module : str or None
-        That cell, the notebook that does what the item says, and the file that implements it.
+        The paper's words as our copy has them, and how we read them and why, with {number}; Markdown.
+    number, check, notebook, module : str or None
+        One number that supports the verdict, the tag of the cell of notebook B that prints it, the notebook
+        that does what the item says, and the file that implements it.
     """
 
     item: str
@@ -68,7 +65,8 @@ class Claim(NamedTuple):
 
 KINDS = ("equation", "figure", "table", "module", "parameter", "claim")
 #: What can be said of an item; notebook B defines each.
-VERDICTS = ("holds", "holds with a condition", "slip in our copy", "lost in our copy", "silent", "fails")
+VERDICTS = ("holds", "holds with a condition", "slip in our copy", "lost in our copy")
+VERDICTS += ("silent", "not reproduced", "fails")
 
 
 def claims(kind=None):
@@ -114,9 +112,10 @@ def audit(section):
 def _entry(claim):
     condition, reading = re.match(r"(?:Condition(, .+?)(?<!Eq)\. )?(.*)", claim.reading).groups("")
     # The links are HTML, as Sphinx follows no others here.
-    number = f' **{claim.number}** (cell <a href="#{claim.check}">{claim.check}</a>).' if claim.number else ""
+    number = f'**{claim.number}** (cell <a href="#{claim.check}">{claim.check}</a>)'
+    told = reading.replace("{number}", number)
     file = f'Notebook <a href="{claim.notebook}.ipynb">{claim.notebook[:2]}</a>, `{claim.module}`.'
     # An equation is a paragraph of its own: Sphinx takes words in brackets behind it for its label.
     quote = "\n>\n> ".join(filter(None, re.split(r"\s*(\$\$.+?\$\$)\s*", claim.quote)))
     said = f"<summary><b>{claim.item}</b> · <i>{claim.verdict}</i>{condition}</summary>"
-    return f'<details id="{claim.place}">{said}\n\n> {quote}\n\n{reading}{number}\n\n{file}\n\n</details>'
+    return f'<details id="{claim.place}">{said}\n\n> {quote}\n\n{told}\n\n{file}\n\n</details>'

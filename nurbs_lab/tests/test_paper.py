@@ -39,6 +39,8 @@ def test_it_is_quoted_read_and_its_links_open(claim):
     assert (ROOT / claim.module).is_file()
     assert (ROOT / "notebooks" / f"{claim.notebook}.ipynb").is_file()
     assert bool(claim.number) == bool(claim.check)
+    assert claim.reading.count("{number}") == bool(claim.number)
+    assert "{number}" not in paper.audit(claim.section)
 
 
 @EVERY
