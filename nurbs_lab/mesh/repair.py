@@ -116,7 +116,7 @@ def _require_closed(graph):
     if not wrong.any():
         return
     reasons = (
-        (BOUNDARY, "have one triangle only, as around a hole"),
+        (BOUNDARY, "have one triangle only, as around a hole or a sheet"),
         (MANY, "join three or more triangles that enclose no material"),
         (AGAINST, "join triangles wound against each other, as on a one-sided strip"),
     )

@@ -9,7 +9,7 @@ from nurbs_lab.mesh.solid.faces import KINDS, kinds_of_faces
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters
 from nurbs_lab.plotting.picture import FONT
 from nurbs_lab.plotting.stage import CLAY, INK, frame, lay, lift, name_points, scene, takes_stage
-from nurbs_lab.plotting.style import BLUE, COLOURS, DISTANCE, GREEN, MAGNITUDE, RED, SIGNED
+from nurbs_lab.plotting.style import BLUE, COLOURS, DISTANCE, GREEN, GREY, MAGNITUDE, RED, SIGNED
 
 MATERIAL = {"ambient": 0.12, "diffuse": 0.9, "specular": 0.25, "specular_power": 30}
 # Normals are blended over edges that turn by less, in degrees.
@@ -105,7 +105,7 @@ def faces(solid, *, stage=None, title=None):
     ----------
     solid : Reconstruction
     """
-    colours, legend = dict(zip(KINDS, COLOURS, strict=False)), []
+    colours, legend = dict(zip(KINDS, (*COLOURS[: len(KINDS) - 1], GREY), strict=True)), []
     for kind in KINDS:
         if some := [face for face in solid.faces if face.kind == kind]:
             legend += [[line, colours[kind]] for line in kinds_of_faces(some).split(", ")[:_LINES]]

@@ -6,7 +6,9 @@ import re
 from pathlib import Path
 from symtable import symtable
 
+import numpy as np
 import pytest
+import trimesh
 from nbconvert import HTMLExporter
 
 import nurbs_lab as nl
@@ -131,6 +133,45 @@ def test_appendix_a_holds_every_letter_of_a_formula(notebook, request):
     prose = "\n".join(source(cell) for cell in notebook["cells"] if cell["cell_type"] == "markdown")
     used = letters(" ".join(found[1] for found in re.findall(r"(\$\$?)([^$]+)\1", prose)))
     assert name == "A-symbols" or used <= listed, f"no row in appendix A: {sorted(used - listed)}"
+
+
+BALL = trimesh.creation.icosphere(subdivisions=2, radius=10)
+TURNED = np.where(np.arange(len(BALL.faces))[:, None] % 7, BALL.faces, BALL.faces[:, ::-1])
+
+
+def run_own_part(mesh, unit, folder):
+    """Sections 1 to 5 of notebook 10, which treat a file of the reader's own, with this mesh."""
+    cells = json.loads((ROOT / "notebooks" / "10-your-own-part.ipynb").read_text())["cells"]
+    end = next(n for n, cell in enumerate(cells) if "## 6 · " in source(cell))
+    text = "\n".join(source(cell) for cell in code_cells({"cells": cells[:end]}))
+    file = folder / "mine.stl"
+    mesh.export(file)
+    given = '"exports/bracket.stl", "inch", 0.1'
+    assert text.count(given) == 1
+    exec(text.replace(given, f"{str(file)!r}, {unit!r}, 0.5"), {})
+
+
+@pytest.mark.parametrize(
+    ("mesh", "unit", "said"),
+    [
+        (trimesh.creation.box((1, 2, 3)), "cm", "[10. 20. 30.] mm"),
+        (trimesh.Trimesh(BALL.vertices, TURNED, process=False), None, "flipped triangles turned"),
+        (BALL + BALL.copy().apply_translation((30, 0, 0)), None, "sound solids in the file: 2"),
+        (trimesh.creation.torus(10, 3), None, "sound solids in the file: 1"),
+    ],
+)
+def test_a_file_of_ones_own_goes_through_notebook_10(mesh, unit, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    run_own_part(mesh, unit, tmp_path)
+    assert said in capsys.readouterr().out
+
+
+def test_a_file_that_is_no_solid_stops_notebook_10_with_the_reason(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    box = trimesh.creation.box((9, 9, 9)).subdivide().subdivide()
+    sheet = box.submesh([box.face_normals[:, 2] > 0.5], append=True)
+    with pytest.raises(ValueError, match="as around a hole or a sheet"):
+        run_own_part(sheet, None, tmp_path)
 
 
 def test_every_scene_turns_in_the_book(notebook):
