@@ -174,6 +174,27 @@ def test_a_file_that_is_no_solid_stops_notebook_10_with_the_reason(tmp_path, mon
         run_own_part(sheet, None, tmp_path)
 
 
+TWO_WAVES = 3 * np.sin(np.arange(301) * np.pi / 100) * np.sign(np.arange(301) - 100)  # a corner at each end
+
+
+@pytest.mark.parametrize(("height", "refused"), [(0, False), (1, True)])
+def test_a_program_of_ones_own_goes_through_notebook_13(height, refused, tmp_path, capsys):
+    """Its cells that read, smooth and export, for a program that becomes several curves."""
+    cells = json.loads((ROOT / "notebooks" / "13-facets-and-dialects.ipynb").read_text())["cells"]
+    asked = ("folder = Path", "nl.read(yours)", "in nl.interchange.DIALECTS", "interchange.Setup(")
+    sources = [source(cell) for cell in code_cells({"cells": cells})]
+    text = "\n".join(one for one in sources if any(words in one for words in asked))
+    places = [f"G1 X{0.1 * k:.3f} Y{y:.3f} Z{height * y:.3f}" for k, y in enumerate(TWO_WAVES)]
+    file = tmp_path / "mine.ngc"
+    file.write_text("\n".join(["G21 G90 F600", "G0 X0 Y0 Z0", *places, "M2"]))
+    names = {"yours": file}
+    exec(text.replace('Path("exports")', f"Path({str(tmp_path)!r})"), names)
+    assert len(names["smooth"].moves) > 1
+    written = {one for one in nl.interchange.DIALECTS if (tmp_path / f"{one}.ngc").is_file()}
+    assert written == set(nl.interchange.DIALECTS) - ({"linuxcnc"} if refused else set())
+    assert ("leaves the plane XY" in capsys.readouterr().out) == refused
+
+
 def test_every_scene_turns_in_the_book(notebook):
     for cell in code_cells(notebook):
         for output in cell["outputs"]:
