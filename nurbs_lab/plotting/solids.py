@@ -109,10 +109,10 @@ def faces(solid, *, stage=None, title=None):
     for kind in KINDS:
         if some := [face for face in solid.faces if face.kind == kind]:
             legend += [[line, colours[kind]] for line in kinds_of_faces(some).split(", ")[:_LINES]]
-    beside = 0.02 + 19.0 * stage.shape[1] / stage.window_size[0]  # 19 pixels
+    across, down = stage.shape[::-1] / np.array(stage.window_size)  # of a panel, for one pixel
     for k, (line, colour) in enumerate(legend):
-        for text, x, ink in (("■", 0.02, colour), (line, beside, INK)):
-            place = (x, 0.88 - 0.05 * k)
+        for text, x, ink in (("■", 0.02, colour), (line, 0.02 + 19.0 * across, INK)):
+            place = (x, 0.88 - 20.0 * down * k)
             stage.add_text(text, position=place, viewport=True, font_size=10, color=ink, font_file=FONT)
     return _trimmed(solid, stage, colours.get, True, title, left=0.2)  # for the names
 
