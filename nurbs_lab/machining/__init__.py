@@ -25,7 +25,7 @@ GAP (passes), diameters                  1        -1, +8         +1, -7; also be
 GRID (passes), nodes a diameter          24       0, -39         0, 0
 WIDTH (passes), step-overs               0.5      -12, -40       +3, -38
 JOIN (passes), step-overs                2        -2, -6         -3, -7; 0, -8 *; also of heights beside a way
-PARTS (passes), of the way between tips  8        0, 0           0, 0; at 2 0.5 % of a narrow gap is left
+SUBDIVISIONS (passes), of a way          8        0, 0           0, 0; at 2 0.5 % of a narrow gap is left
 NEAR (passes), of the step-over          0.25     0, +11 *       0, -4 *; without it bites of 19 mm, not 9 *
 LEVEL_STEP (passes), of the flat disc    1.2      +68, +57       +488, +474; of a block by a flat cutter
 NEAR (link), diameters                   2        -2, +9 *       0, 0 *; also of the legs of ramps
@@ -75,10 +75,10 @@ distances and a clock that are no part of this package), and the time without th
 waterline 2.6 x, rings of a roughing that end beside walls 2.6 to 3.4 x, the raster of discs 1.7 x, ways in
 from beside 1.5 x (roughing 2.4 x), sideways pushes 16 % more, waterlines along level faces 14 % of a plate
 and two warnings, cliffs 13 %, links tangent to both passes 7 %, closed gaps 5 %, cuts that plunge into little
-3 to 6 %, rapid moves below the safe height 2 % (roughing 6 %), slopes of low steps 1 %, but a cone is cut 15
-µm too deep, tips spared by waterlines up to 30 % of the way of programs after others; processor time of
-owners of edges 27 %, of trying the last triangle first 10 %. Without cuts in steps, one of 130 roughings
-bites 2.3 steps deep, not one.
+3 to 6 %, rapid moves below the safe height 2 % (roughing 6 %), slopes of low steps 1 %, but a step of 0.4 mm
+takes 1,007 moves of a flat cutter, not 29, tips spared by waterlines 1 %, of a pocket with fillets 11 %;
+processor time of owners of edges 27 %, of trying the last triangle first 10 %. Without cuts in steps, one of
+130 roughings bites 2.3 steps deep, not one.
 
 Definitions: HALF (half the diagonal of a cell), NEEDLE (a cutter without width), ROBERTS (the sequence R2),
 MACHINE (a small machine), _LINE, _LINK, _BASIS, _STRAIGHT (splines of links; without the straight

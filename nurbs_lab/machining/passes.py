@@ -24,7 +24,7 @@ GRID = 24  # nodes of the grid along a diameter, at most
 WIDTH = 0.5  # step-overs: distance of its nodes
 NEAR = 0.25  # step-overs: a waterline farther from the part is dropped, a tip farther from it is not at rest
 JOIN = 2.0  # step-overs: farther apart, two of them are on two passes
-PARTS = 8  # parts in which the way between two of them is led over the part
+SUBDIVISIONS = 8  # of the way between two of them, which is led over the part
 
 
 def step_over(cutter, scallop):
@@ -125,7 +125,7 @@ class Layout:
         for chain in np.split(tips, 1 + np.flatnonzero(lengths(np.diff(tips, axis=0)) > most)):
             if len(chain) == 1:
                 chain = chain + np.array([[-1.0], [1.0]]) * along
-            at = np.arange(PARTS * (len(chain) - 1) + 1) / PARTS
+            at = np.arange(SUBDIVISIONS * (len(chain) - 1) + 1) / SUBDIVISIONS
             chain = np.column_stack([np.interp(at, np.arange(len(chain)), one) for one in chain.T])
             over = self.touch.heights(chain[:, :2])
             keep = (over > self.field.floor) & (np.abs(over - chain[:, 2]) <= most)

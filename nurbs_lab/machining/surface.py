@@ -43,26 +43,25 @@ def sample_surface(part, spacing) -> Samples:
     They follow one another in equal steps of the area along the triangles, in an order in which neighbours
     are close together. Inside the triangles they are points of Roberts' sequence R2.
     """
-    corners = part.tree.corners.reshape(-1, 3, 3)
-    order = order_along(corners.mean(axis=1))
-    outward = part.normals[order] * np.where(part.volume < 0.0, -1.0, 1.0)
-    up, corners, areas = outward[:, 2] >= -SINGLE, corners[order], 0.5 * lengths(part.tree.normals[order])
-    undercut = float(areas[~up].sum())
-    ends = np.cumsum(areas[up])
+    corners, outward = part.tree.corners.reshape(-1, 3, 3), -1.0 if part.volume < 0.0 else 1.0
+    order, areas = order_along(corners.mean(axis=1)), 0.5 * lengths(part.tree.normals)
+    up = outward * part.normals[order, 2] >= -SINGLE
+    undercut, order = float(areas[order[~up]].sum()), order[up]
+    ends = np.cumsum(areas[order])
     whole = ends[-1] if len(ends) else 0.0
     wanted = whole / max(spacing, 1e-50) ** 2
     require_size(wanted, MOST_SAMPLES, "scallop or spacing is too small", "samples of the part")
     count = int(np.ceil(wanted))
-    share, corners, outward = whole / max(count, 1), corners[up], outward[up]
+    share = whole / max(count, 1)
     points, normals = np.empty((2, count, 3))
 
     def kernel(block):
         number = np.arange(block.start, block.stop)
-        triangle = np.searchsorted(ends, (number + 0.5) * share)
+        triangle = order[np.searchsorted(ends, (number + 0.5) * share)]
         u, v = np.modf(0.5 + number * ROBERTS)[0]
         u, v = np.where(u + v > 1.0, (1.0 - u, 1.0 - v), (u, v))[..., None]
         a, b, c = corners[triangle].swapaxes(0, 1)
-        points[block], normals[block] = a + u * (b - a) + v * (c - a), outward[triangle]
+        points[block], normals[block] = a + u * (b - a) + v * (c - a), outward * part.normals[triangle]
 
     over_blocks(kernel, count, "sampling")
     return Samples(points, normals, share, undercut)
