@@ -75,10 +75,11 @@ distances and a clock that are no part of this package), and the time without th
 waterline 2.6 x, rings of a roughing that end beside walls 2.6 to 3.4 x, the raster of discs 1.7 x, ways in
 from beside 1.5 x (roughing 2.4 x), sideways pushes 16 % more, waterlines along level faces 14 % of a plate
 and two warnings, cliffs 13 %, links tangent to both passes 7 %, closed gaps 5 %, cuts that plunge into little
-3 to 6 %, rapid moves below the safe height 2 % (roughing 6 %), slopes of low steps 1 %, but a step of 0.4 mm
-takes 1,007 moves of a flat cutter, not 29, tips spared by waterlines 1 %, of a pocket with fillets 11 %;
-processor time of owners of edges 27 %, of trying the last triangle first 10 %. Without cuts in steps, one of
-130 roughings bites 2.3 steps deep, not one.
+3 to 6 %, rapid moves below the safe height 2 % (roughing 6 %), slopes of low steps 1 %, but a cone is cut 15
+µm too deep and a step of 0.4 mm takes 1,007 moves of a flat cutter, not 29, tips spared by waterlines 1 %, of
+a pocket with fillets 11 %, and up to 30 % of the way of programs after others; processor time of owners of
+edges 27 %, of trying the last triangle first 10 %. Without cuts in steps, one of 130 roughings bites 2.3
+steps deep, not one.
 
 Definitions: HALF (half the diagonal of a cell), NEEDLE (a cutter without width), ROBERTS (the sequence R2),
 MACHINE (a small machine), _LINE, _LINK, _BASIS, _STRAIGHT (splines of links; without the straight
