@@ -22,9 +22,15 @@ def cut(knots, degree):
 
 
 def closest_on_curve(curve, points):
-    """See `NurbsCurve.closest_point`; a curve is a surface of degree 0 along v."""
-    uv, distance = closest((curve.degree, 0), (curve.knots, NO_KNOTS), curve.homogeneous[:, None], points)
+    """Nearest point of the curve to each point ``(..., dim)``: (u, distance), each of shape ``(...)``."""
+    net = curve.homogeneous[:, None]  # of a surface of degree 0 along v
+    uv, distance = closest((curve.degree, 0), (curve.knots, NO_KNOTS), net, points)
     return uv[..., 0][()], distance
+
+
+def closest_on_surface(surface, points):
+    """Nearest point of the surface to each of ``(..., dim)``: (uv ``(..., 2)``, distance ``(...)``)."""
+    return closest(surface.degrees, surface.knots, surface.homogeneous, points)
 
 
 @interruptible()

@@ -108,43 +108,11 @@ class NurbsCurve(Spline):
         checks.require_representable("order", order, out)
         return out.reshape(*u.shape, order + 1, self.dim)
 
-    def tangent(self, u):
-        """Unit tangents: ``(..., dim)``; ValueError where C' vanishes."""
-        return differential.tangent(self, u)
-
-    def normal(self, u):
-        """Unit normals ``(..., dim)`` to the centre of curvature; ValueError where the curve is straight."""
-        return differential.normal(self, u)
-
-    def binormal(self, u):
-        """Unit binormals of a curve in 3-D, tangent x normal: ``(..., 3)``."""
-        return differential.binormal(self, u)
-
-    def curvature(self, u):
-        """Curvature |C' x C''| / |C'|³ (unsigned, 1 / length) at u, shape of u."""
-        return differential.curvature(self, u)
-
-    def torsion(self, u):
-        """Torsion of a curve in 3-D (1 / length), positive for a right-handed helix, shape of u."""
-        return differential.torsion(self, u)
-
-    def length(self, u0=None, u1=None):
-        """Arc length from u0 to u1 (the whole domain by default), to near machine precision.
-
-        Negative if u1 < u0. On a closed curve both may lie outside the domain.
-        """
-        return measure.length(self, u0, u1)
-
-    def parameter_at(self, length):
-        """Parameters at arc lengths from the start, an array of any shape.
-
-        They are the nearest that double precision has.
-        """
-        return measure.parameter_at(self, length)
-
-    def closest_point(self, points):
-        """Nearest point of the curve to each point ``(..., dim)``: (u, distance), each of shape ``(...)``."""
-        return closest.closest_on_curve(self, points)
+    # Methods that are written in modules of their own.
+    tangent, normal, binormal = differential.tangent, differential.normal, differential.binormal
+    curvature, torsion = differential.curvature, differential.torsion
+    length, parameter_at = measure.length, measure.parameter_at
+    closest_point = closest.closest_on_curve
 
     @property
     def _rows(self):

@@ -51,7 +51,7 @@ def _tangent(u, first, what):
 
 
 def tangent(curve, u):
-    """See `NurbsCurve.tangent`."""
+    """Unit tangents: ``(..., dim)``; ValueError where C' vanishes."""
     return _tangent(u, _jet(curve, (u,), 1)[0][..., 1, :], "tangent")[0]
 
 
@@ -64,13 +64,13 @@ def _across(curve, u, what):
 
 
 def curvature(curve, u):
-    """See `NurbsCurve.curvature`."""
+    """Curvature |C' x C''| / |C'|³ (unsigned, 1 / length) at u, shape of u."""
     _, across, speed, size = _across(curve, u, "curvature")
     return np.linalg.norm(across, axis=-1) / speed / speed / size
 
 
 def normal(curve, u):
-    """See `NurbsCurve.normal`."""
+    """Unit normals ``(..., dim)`` to the centre of curvature; ValueError where the curve is straight."""
     along, across, speed, _ = _across(curve, u, "normal")
     size = np.linalg.norm(across, axis=-1)
     _refuse("normal", size <= PARALLEL * speed, "the curve is straight there", u)
@@ -80,13 +80,13 @@ def normal(curve, u):
 
 
 def binormal(curve, u):
-    """See `NurbsCurve.binormal`."""
+    """Unit binormals of a curve in 3-D, tangent x normal: ``(..., 3)``."""
     _require_space("binormal", curve)
     return np.cross(tangent(curve, u), normal(curve, u))
 
 
 def torsion(curve, u):
-    """See `NurbsCurve.torsion`."""
+    """Torsion of a curve in 3-D (1 / length), positive for a right-handed helix, shape of u."""
     _require_space("torsion", curve)
     values, scale = _jet(curve, (u,), 3)
     _, first, second, third = np.moveaxis(values, -2, 0)
@@ -103,7 +103,7 @@ def _require_space(what, shape):
 
 
 def surface_normal(surface, u, v):
-    """See `NurbsSurface.normal`."""
+    """Unit normals S_u x S_v: ``(..., 3)``; at a pole their limit from inside."""
     _require_space("normal", surface)
     return _normal(surface, _jet(surface, (u, v), (1, 1))[0], u, v)
 
@@ -129,7 +129,18 @@ def _normal(surface, values, u, v):
 
 
 def surface_curvature(surface, u, v):
-    """See `NurbsSurface.curvature`."""
+    """Gaussian, mean and principal curvatures at (u, v), as a `SurfaceCurvature`.
+
+    Mean and principal curvatures have the sign of the normal: a sphere whose normals point outwards has
+    negative ones. ValueError where the tangents are parallel or vanish.
+
+    Examples
+    --------
+    >>> from nurbs_lab.nurbs import sphere
+    >>> curvature = sphere(2.0).curvature(0.3, 0.4)
+    >>> round(float(curvature.gaussian), 12), round(float(curvature.mean), 12)
+    (0.25, -0.5)
+    """
     _require_space("normal", surface)
     values, size = _jet(surface, (u, v), (2, 2))
     normal = _normal(surface, values, u, v)

@@ -28,8 +28,11 @@ def centred_spans(curve):
     return span_table(curve.degree, curve.knots, rows), size
 
 
-def length(curve, u0, u1):
-    """Arc length between two parameters, negative if u1 < u0; closed curves go round."""
+def length(curve, u0=None, u1=None):
+    """Arc length from u0 to u1 (the whole domain by default), to near machine precision.
+
+    Negative if u1 < u0. On a closed curve both may lie outside the domain.
+    """
     low, high = curve.domain
     given = {"u0": low if u0 is None else u0, "u1": high if u1 is None else u1}
     u = [checks.as_number(name, value) for name, value in given.items()]
@@ -62,9 +65,12 @@ def samples_along(curve, count):
 
 
 @interruptible()
-def parameter_at(curve, wanted):
-    """Parameters at the given arc lengths from the start, by at most 60 steps of Newton's method each."""
-    wanted = checks.as_floats("length", wanted)
+def parameter_at(curve, length):
+    """Parameters at arc lengths from the start, an array of any shape, by at most 60 steps of Newton.
+
+    They are the nearest that double precision has.
+    """
+    wanted = checks.as_floats("length", length)
     spans, size = centred_spans(curve)
     low, high = curve.domain
     panels = span_kernels.panel_table(spans, ARC_TOLERANCE, low, high)
@@ -85,9 +91,10 @@ def parameter_at(curve, wanted):
 
 
 def area(surface):
-    """Area of a surface: patches are quartered until eight by eight Gauss points agree with the quarters.
+    """Area of a surface in 3-D, to about twelve digits where it is smooth.
 
-    There are at most eight rounds; what does not agree then is added as it is.
+    Patches are quartered until eight by eight Gauss points agree with the quarters, in at most eight rounds;
+    what does not agree then is added as it is.
     """
     if surface.dim != 3:
         raise ValueError(f"only surfaces in 3-D have an area here, this one is in {surface.dim}-D")

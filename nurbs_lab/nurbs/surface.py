@@ -140,33 +140,10 @@ class NurbsSurface(Spline):
         checks.require_representable("order", max(ku, kv), out)
         return out.reshape(*shape, ku + 1, kv + 1, self.dim)
 
-    def normal(self, u, v):
-        """Unit normals S_u x S_v: ``(..., 3)``; at a pole their limit from inside."""
-        return differential.surface_normal(self, u, v)
-
-    def curvature(self, u, v):
-        """Gaussian, mean and principal curvatures at (u, v), as a `SurfaceCurvature`.
-
-        Mean and principal curvatures have the sign of the normal: a sphere whose normals point outwards has
-        negative ones. ValueError where the tangents are parallel or vanish.
-
-        Examples
-        --------
-        >>> from nurbs_lab.nurbs import sphere
-        >>> curvature = sphere(2.0).curvature(0.3, 0.4)
-        >>> round(float(curvature.gaussian), 12), round(float(curvature.mean), 12)
-        (0.25, -0.5)
-        """
-        return differential.surface_curvature(self, u, v)
-
-    @property
-    def area(self):
-        """Area of a surface in 3-D, to about twelve digits where it is smooth."""
-        return measure.area(self)
-
-    def closest_point(self, points):
-        """Nearest point of the surface to each of ``(..., dim)``: (uv ``(..., 2)``, distance ``(...)``)."""
-        return closest.closest(self.degrees, self.knots, self.homogeneous, points)
+    # Methods that are written in modules of their own.
+    normal, curvature = differential.surface_normal, differential.surface_curvature
+    area, closest_point = property(measure.area), closest.closest_on_surface
+    tessellate = tessellation.triangles
 
     @property
     def _directions(self):
@@ -202,21 +179,6 @@ class NurbsSurface(Spline):
         if not isinstance(spline, NdBSpline):
             raise TypeError(f"spline must be a scipy.interpolate.NdBSpline, got {type(spline).__name__}")
         return cls(spline.k, spline.t, spline.c)
-
-    def tessellate(self, tolerance):
-        """Points ``(n, dim)`` and triangles ``(m, 3)`` that lie within a tolerance of the surface.
-
-        The grid has every knot; points on seams and poles come as often as the grid has them. ValueError if
-        more than 3000 points along a direction would be needed.
-
-        Examples
-        --------
-        >>> from nurbs_lab.nurbs import sphere
-        >>> points, triangles = sphere(10.0).tessellate(0.1)
-        >>> points.shape[1], triangles.shape[1]
-        (3, 3)
-        """
-        return tessellation.triangles(self, tolerance)
 
     def to_pyvista(self, samples=None):
         """A `pyvista.StructuredGrid` of points, ``samples`` (along u, along v); else six cells a span."""

@@ -10,11 +10,21 @@ SAFETY = 0.8  # of the tolerance: the largest error need not lie where it is mea
 
 
 def triangles(surface, tolerance):
-    """See `NurbsSurface.tessellate`.
+    """Points ``(n, dim)`` and triangles ``(m, 3)`` that lie within a tolerance of the surface.
+
+    The grid has every knot; points on seams and poles come as often as the grid has them. ValueError if
+    more than 3000 points along a direction would be needed.
 
     All spans of a direction are halved until the surface in the middles of the cells, of their edges and of
     their diagonals is near enough, or until the direction has 3000 parameters, so at most twelve times. An S
     may pass through all middles; it cannot through those of degree - 1 cells a span, which are looked at too.
+
+    Examples
+    --------
+    >>> from nurbs_lab.nurbs import sphere
+    >>> points, triangles = sphere(10.0).tessellate(0.1)
+    >>> points.shape[1], triangles.shape[1]
+    (3, 3)
     """
     tolerance = checks.as_positive("tolerance", tolerance)
     cells, limit = [1, 1], SAFETY * tolerance
