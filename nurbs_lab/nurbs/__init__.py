@@ -4,8 +4,7 @@ Constants and rules of `approximate` that steer, and what they change in the con
 closed and open random curves, some with noise, and in their time (2026-11).
 
 ==============================  =====================================================
-ROUNDS, 10                      5: +2.5 %, 0.7 x; 20: -0.4 %; none: +12 %, 0.6 x
-IDLE, 3                         1: +2.5 %, 0.7 x
+IDLE, 3                         0: +19 %, 0.6 x; 1: +4 %, 0.7 x; 6: -5 %, 1.2 x
 knots where the errors are      without: +6.9 %, 0.5 x
 knots taken out at the end      without: +5.7 %, 1.0 x
 SUSPECTS, 8                     4, 16: 0, 1.0 x; none: 0, 1.4 x

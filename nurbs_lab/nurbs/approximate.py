@@ -17,7 +17,7 @@ from nurbs_lab.nurbs.interpolate import as_path, interpolate_values
 from nurbs_lab.nurbs.spans import find_breaks
 
 SUSPECTS = 8  # points with the largest residuals that are tested first; one of them usually rejects a fit
-ROUNDS, IDLE = 10, 3  # of moving the knots: at most, and in a row without saving a control point
+IDLE = 3  # moves of the knots in a row that save no control point are the last
 QUIET = 0.05  # of the largest error; the error of a span counts as at least this much
 
 
@@ -116,9 +116,8 @@ def _fewest(fit, errors, good, t, least):
     """The accepted spline with the fewest control points found: (count, spline).
 
     The number is doubled until a spline is accepted, and the gap to the last rejected number is halved; the
-    knots follow the errors of the last spline. Then knots are moved for as long as that saves control points,
-    at most `ROUNDS` times. A spline with one control point for each point is always accepted. So there are at
-    most about 20 log2(points) trials.
+    knots follow the errors of the last spline. Then knots are moved for as long as that saves control points.
+    A spline with one control point for each point is always accepted, so there is an end.
     """
     last, best, failed = None, None, least - 1
 
@@ -143,15 +142,13 @@ def _fewest(fit, errors, good, t, least):
         density = _density(*last, t)
     close_gap(density)
     idle = 0
-    for _ in range(ROUNDS):
+    while idle < IDLE and best[0] > least:
         before, failed, saving = best[0], least - 1, 1
         density = _density(*last, t)
         while best[0] > least and works(max(best[0] - saving, least), density):
             saving *= 2
         close_gap(density)
         idle = idle + 1 if best[0] == before else 0
-        if idle == IDLE or best[0] == least:
-            break
     return best
 
 
