@@ -59,32 +59,6 @@ def weld(points, triangles, junk):
 
 
 @compiled
-def sorted_order(keys):
-    """The order that sorts ``keys``, equal ones as they stand, by merging runs of twice the length each time.
-
-    NumPy's own sorts take ten times as long to compile.
-    """
-    n, width = len(keys), 1
-    order, merged = np.empty(n, np.int64), np.empty(n, np.int64)
-    for i in range(n):
-        order[i] = i
-    while width < n:
-        for start in range(0, n, 2 * width):
-            i, middle, stop = start, min(start + width, n), min(start + 2 * width, n)
-            j = middle
-            for k in range(start, stop):
-                if j == stop or (i < middle and keys[order[i]] <= keys[order[j]]):
-                    merged[k] = order[i]
-                    i += 1
-                else:
-                    merged[k] = order[j]
-                    j += 1
-        order, merged = merged, order
-        width *= 2
-    return order
-
-
-@compiled
 def pair_fan(fan, triangles, vertices, body, low, high, opposite):
     """Pair the half-edges of a non-manifold edge so that a pair encloses material; an odd one stays alone.
 
@@ -109,7 +83,7 @@ def pair_fan(fan, triangles, vertices, body, low, high, opposite):
         turns[i] = 2.0 * floor(turn / SAME_ANGLE + 0.5)
         if closes[i]:  # before one opens, and in the other order, so that the last opened closes first
             turns[i] -= 1.0 + i / (2.0 * k)
-    order = sorted_order(turns)
+    order = np.argsort(turns, kind="mergesort")
     opened = np.empty(2 * k, np.int64)
     for others_too in range(2):
         depth = 0
@@ -169,7 +143,7 @@ def link(triangles, vertices, body, junk, opposite, kinds):
     for v in range(len(offsets) - 1):
         i, stop = offsets[v], offsets[v + 1]
         if stop - i > FEW:
-            order, unsorted = sorted_order(1.0 * edges[i:stop, 1]), edges[i:stop].copy()
+            order, unsorted = np.argsort(1.0 * edges[i:stop, 1], kind="mergesort"), edges[i:stop].copy()
             for k in range(stop - i):
                 edges[i + k, 0], edges[i + k, 1] = unsorted[order[k], 0], unsorted[order[k], 1]
         while i < stop:
@@ -210,7 +184,7 @@ def link_fan(edges, high, triangles, vertices, body, low, opposite, kinds):
             edges[j, 0], edges[j, 1] = edges[count, 0], edges[count, 1]
             edges[count, 0], edges[count, 1] = half, key
             count += 1
-    fan, order = np.empty(count, np.int32), sorted_order(1.0 * edges[:count, 0])
+    fan, order = np.empty(count, np.int32), np.argsort(1.0 * edges[:count, 0], kind="mergesort")
     for k in range(count):
         fan[k] = edges[order[k], 0]
         kinds[fan[k]] = MANY

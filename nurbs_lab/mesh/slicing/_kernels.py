@@ -8,7 +8,6 @@ from math import ceil
 import numpy as np
 
 from nurbs_lab.common.kernels import compiled, inlined
-from nurbs_lab.mesh._kernels_core import sorted_order
 
 LINES = 8  # across a contour, which show whether it is inside another
 
@@ -259,7 +258,7 @@ def cut_by_lines(points, low, spacing, apart, cuts, n):
 @compiled
 def lies_within(cuts, mine):
     """Whether the first ``mine`` cuts enclose what the others do, but for half a line of all."""
-    order = sorted_order(cuts)
+    order = np.argsort(cuts, kind="mergesort")
     inside = around = False
     outside = whole = last = 0.0
     for i in order:
@@ -299,7 +298,7 @@ def nest(points, begins, plane, closed, nonzero):
         stop = start
         while stop < count and plane[stop] == plane[start]:
             stop += 1
-        order = sorted_order(smallness[start:stop])
+        order = np.argsort(smallness[start:stop], kind="mergesort")
         for rank in range(1, stop - start):
             c = start + order[rank]
             spacing = (box[c, 3] - box[c, 2]) / LINES  # 0 for an open contour
