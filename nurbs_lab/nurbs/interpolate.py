@@ -122,7 +122,7 @@ def interpolate_surface(grid, degrees=(3, 3), *, parametrization="chord", closed
 def require_met(name, degree, spline, there, points, cure="parametrization='centripetal'"):
     """Refuse a spline that swings so wildly that rounding keeps it from the points that it was made for."""
     away, rounding = checks.lengths(there - points).max(), 8 * np.spacing(np.abs(points).max())
-    if away > max(MISSED * checks.spread(points), rounding):
+    if away > rounding and away > MISSED * checks.extent(points):
         swings = f"swings up to {np.abs(spline.control_points).max():.3g} and misses them by {away:.3g}"
         raise ValueError(f"{name}: the spline of degree {degree} {swings}; take a lower degree, or {cure}")
 
@@ -168,7 +168,7 @@ def surface_parameters(net, axis, degree, parametrization, closed):
         return knots.universal_parameters(degree, len(net))
     increments = knots.steps(net, parametrization, closed)
     chords = (increments if parametrization == "chord" else knots.steps(net, "chord", closed)).sum(axis=0)
-    alive = chords > 1e-12 * checks.spread(net)
+    alive = chords > 1e-12 * checks.extent(net)
     if not alive.any():
         raise ValueError(f"grid: all its points coincide along {'uv'[axis]}")
     increments = increments[:, alive]
@@ -224,9 +224,7 @@ def _with_tangents(degree, t, points, tangents, closed):
 def drop_repeated_end(points):
     """Points without a last one (or row) that repeats the first."""
     gap = np.abs(points[-1] - points[0]).max(initial=0.0)
-    if len(points) < 2 or gap > CLOSED_WITHIN * np.ptp(points):  # which is never below the spread
-        return points
-    return points[:-1] if gap <= CLOSED_WITHIN * checks.spread(points) else points
+    return points[:-1] if len(points) > 1 and gap <= CLOSED_WITHIN * checks.extent(points) else points
 
 
 def require_distinct(points, closed):
