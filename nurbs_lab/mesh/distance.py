@@ -89,10 +89,23 @@ def crossing_triangles(vertices, triangles) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Spread(Value):
-    """Distances of many samples, in mm."""
+class Deviation(Value):
+    """Two-sided deviation between a mesh and the faces made from it, in mm.
+
+    Attributes
+    ----------
+    values : (k,) array
+        Distances from points all over the mesh to the nearest face, and from points all over the faces to the
+        mesh.
+    vertices : (n,) array
+        Distance of every vertex of ``Reconstruction.mesh`` to the nearest face, for a picture.
+    points : (k, 3) array
+        Where ``values`` were measured.
+    """
 
     values: np.ndarray
+    vertices: np.ndarray
+    points: np.ndarray
 
     @property
     def count(self) -> int:
@@ -124,26 +137,6 @@ class Spread(Value):
     def fraction_within(self, tolerance) -> float:
         """Fraction of the samples that do not exceed a tolerance in mm."""
         return float(np.mean(self.values <= as_number("tolerance", tolerance))) if self.count else 1.0
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Deviation(Spread):
-    """Two-sided deviation between a mesh and the faces made from it; ``values`` are those of both directions.
-
-    Attributes
-    ----------
-    mesh_to_surface, surface_to_mesh : Spread
-        From points all over the mesh to the nearest face, and from points all over the faces to the mesh.
-    vertices : (n,) array
-        Distance of every vertex of ``Reconstruction.mesh`` to the nearest face, for a picture.
-    points : (k, 3) array
-        Where ``values`` were measured.
-    """
-
-    mesh_to_surface: Spread
-    surface_to_mesh: Spread
-    vertices: np.ndarray
-    points: np.ndarray
 
     @property
     def worst_place(self) -> np.ndarray:

@@ -58,23 +58,19 @@ def crossed_in_block(corners, normal, heights):
 
 @compiled
 def count_crossings(triangles, junk, level, planes):
-    """Step 1, the prescreen: the triangles that planes cross, and how many of them, and junk, each plane."""
-    good, spoiled = np.zeros(planes, np.int64), np.zeros(planes, np.int64)
+    """Step 1, the prescreen: the triangles that planes cross, and how many each of these crosses."""
+    many = np.zeros(planes, np.int64)
     crossed = np.empty(len(triangles), np.int32)
     count = 0
     for f in range(len(triangles)):
         a, b, c = level[triangles[f, 0]], level[triangles[f, 1]], level[triangles[f, 2]]
         low, high = min(a, b, c), max(a, b, c)
-        if low < high:
-            if junk[f]:
-                for k in range(low, high):
-                    spoiled[k] += 1
-                continue
+        if low < high and not junk[f]:
             crossed[count] = f
             count += 1
             for k in range(low, high):
-                good[k] += 1
-    return crossed[:count], good, spoiled
+                many[k] += 1
+    return crossed[:count], many
 
 
 @compiled

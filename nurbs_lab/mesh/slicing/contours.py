@@ -89,20 +89,14 @@ class Layer(Value):
     contours : tuple of Contour
     open_ends : int
         Ends of contours that meet no other: 0 on a closed mesh.
-    junk_triangles : int
-        Triangles crossed by the plane but left out (a corner repeated, or a copy of another triangle).
     collapsed : int
         Contours left out because they shrank to a point or to one edge: the plane touches a tip or a ridge.
-    turned : int
-        Loops turned round so that the material is on their left: more than 0 where the mesh is inside out.
     """
 
     height: float
     contours: tuple[Contour, ...]
     open_ends: int
-    junk_triangles: int
     collapsed: int
-    turned: int
 
     @property
     def area(self) -> float:
@@ -143,7 +137,7 @@ def in_frame(vertices, frame) -> np.ndarray:
 def layers_of(graph, heights, frame, fill) -> list[Layer]:
     """Layers of planes in rising order."""
     xyz = in_frame(graph.vertices, frame)
-    offsets, crossing, junk = _crossings(graph, xyz[:, 2], heights)
+    offsets, crossing = _crossings(graph, xyz[:, 2], heights)
     parts = even_slices(offsets) if len(crossing) > _MANY else [slice(0, len(heights))]
     has_ends = not graph.closed
 
@@ -151,23 +145,23 @@ def layers_of(graph, heights, frame, fill) -> list[Layer]:
         begins = offsets[part.start : part.stop + 1]
         mine, begins = crossing[begins[0] : begins[-1]], begins - begins[0]
         walked = _kernels.walk(graph.triangles, graph.opposite, xyz, heights[part], begins, mine, has_ends)
-        return _layers_of_planes(walked, heights[part], junk[part], frame, fill == "nonzero")
+        return _layers_of_planes(walked, heights[part], frame, fill == "nonzero")
 
     return list(itertools.chain.from_iterable(over_slices(cut, parts, "slicing")))
 
 
 def _crossings(graph, z, heights):
-    """Where the triangles of each plane begin and end, these triangles, and each plane's count of junk."""
+    """Where the triangles of each plane begin and end, and these triangles."""
     level = np.empty(len(z), np.int32)
     _kernels.vertex_levels(z, heights, level)
-    crossed, good, junk = _kernels.count_crossings(graph.triangles, graph.junk, level, len(heights))
-    offsets = np.concatenate([[0], np.cumsum(good)])
+    crossed, many = _kernels.count_crossings(graph.triangles, graph.junk, level, len(heights))
+    offsets = np.concatenate([[0], np.cumsum(many)])
     crossing = np.empty(offsets[-1], np.int32)
     _kernels.place_crossings(graph.triangles, crossed, level, offsets[:-1].copy(), crossing)
-    return offsets, crossing, junk
+    return offsets, crossing
 
 
-def _layers_of_planes(walked, heights, junk, frame, nonzero):
+def _layers_of_planes(walked, heights, frame, nonzero):
     points, carriers, begins, plane, closed, collapsed = walked
     area, depth, parent, left_out = _kernels.nest(points, begins, plane, closed, nonzero)
     turned = closed & (area != 0.0) & ((area > 0.0) == (depth % 2 == 1))
@@ -194,9 +188,7 @@ def _layers_of_planes(walked, heights, junk, frame, nonzero):
                 for a, b, loop, *known in rows[first[k] : kept[k]]
             ),
             open_ends=2 * int(np.count_nonzero(~closed[first[k] : first[k + 1]])),
-            junk_triangles=int(junk[k]),
             collapsed=int(collapsed[k]),
-            turned=int(np.count_nonzero((turned & ~left_out)[first[k] : first[k + 1]])),
         )
         for k, height in enumerate(heights.tolist())
     ]

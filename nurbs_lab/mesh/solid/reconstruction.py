@@ -11,7 +11,7 @@ from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.threads import over_slices
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.core import enclosed_volume, mesh_graph
-from nurbs_lab.mesh.distance import Deviation, Spread, crossing_triangles
+from nurbs_lab.mesh.distance import Deviation, crossing_triangles
 from nurbs_lab.mesh.read import without_cache
 from nurbs_lab.mesh.repair import closed_surfaces, joined
 from nurbs_lab.mesh.solid.faces import ALONG, Face, kinds_of_faces, patch
@@ -369,8 +369,6 @@ def _together(parts, fits):
     vertices = np.concatenate([fit.to_surface[rows] for fit, rows in zip(fits, own, strict=True)])
     return Deviation(
         np.concatenate([to_surface, to_mesh]),
-        Spread(to_surface),
-        Spread(to_mesh),
         vertices,
         np.concatenate([*points, *(fit.surface_points for fit in fits)]),
     )

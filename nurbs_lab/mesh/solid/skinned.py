@@ -4,7 +4,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_flag, extent
 from nurbs_lab.mesh.core import enclosed_volume
-from nurbs_lab.mesh.distance import Deviation, Spread, crossing_triangles
+from nurbs_lab.mesh.distance import Deviation, crossing_triangles
 from nurbs_lab.mesh.repair import NO_VOLUME
 from nurbs_lab.mesh.slicing.contours import Layer
 from nurbs_lab.mesh.solid.reconstruction import Reconstruction
@@ -62,7 +62,7 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False, capped
     shell = TrimmedShell.of(oc.capped_tube(tube.transform(np.eye(3) / unit)), unit, 0, False)
     mesh = _uncrossed(shell, size)
     none, nowhere = np.empty(0), np.empty((0, 3))  # there is no mesh to measure from
-    unmeasured = Deviation(none, Spread(none), Spread(none), none, nowhere)
+    unmeasured = Deviation(none, none, nowhere)
     return Reconstruction((shell,), _FINE * size, mesh.vertices, mesh.faces, (), unmeasured, 0.0, nowhere)
 
 

@@ -16,7 +16,7 @@ from PIL import Image
 import nurbs_lab as nl
 from nurbs_lab.interchange._moves import line
 from nurbs_lab.machining.program import Move
-from nurbs_lab.mesh.distance import Deviation, Spread
+from nurbs_lab.mesh.distance import Deviation
 from nurbs_lab.plotting.orbit import LEVELS, packed
 from nurbs_lab.plotting.stage import png
 
@@ -65,9 +65,9 @@ def test_the_picture_is_filled(name, pipe, sheet):
 
 
 def test_the_worst_place_is_marked_where_a_tolerance_is_missed(pipe):
-    spread, far = Spread(np.array([2.0])), np.array([[0.0, 0.0, 1.0]])
+    far = np.array([[0.0, 0.0, 1.0]])
     values = np.full(len(pipe.vertices), 0.5)
-    missed = Deviation(spread.values, spread, spread, values, far)
+    missed = Deviation(np.array([2.0]), values, far)
     marked, plain = (pixels(nl.plotting.deviation(pipe, missed, tolerance=most)) for most in (1.0, 3.0))
     dark = [(picture[:, :600].max(axis=2) < 60).sum() for picture in (marked, plain)]  # without the bar
     assert dark[0] > dark[1] + 50
