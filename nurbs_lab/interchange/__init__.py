@@ -153,14 +153,14 @@ def read(path, unit=None):
 
     Programs are those of RS274/NGC (LinuxCNC, with its o-words, parameters, cycles and splines), and of
     these: Fanuc's G5.1, G6.2, M98, WHILE, GOTO, beside an O number FIX, FUP and MOD, and there or beside
-    G54.1 G10; Siemens' BSPLINE, IC, AC, CR=, TURN=, R parameters, CYCLE81 to 89 and SUPA; Heidenhain's L,
-    CC, C, CP, CR, SPL, TOOL CALL, cycles for holes, M91 and M136, where axes alone are an L, and an arc
-    without DR turns as the one before; moves of printers. A curve without length is no move. What
-    LinuxCNC refuses is read as by others: G9, G11, G15, G16, G50, G60, G62, G63, G67, G69 to G71, M13,
-    M14, M91 and M92; D and H in any block, several M words, G4 with X, U, F or S, cycles with P or
-    without, with L0 and heights of the cycle before, K0 of a flat arc, G5 without its word or with Z,
-    G5.1 without I or J, G93 without F or move, X=5, #1=#2+1, names and comments beside %, comments before
-    an o-word. Tools, outputs, angles of M19 and axes are not looked up, and spindles may stand still.
+    G54.1 G10; Siemens' BSPLINE, IC, AC, CR=, TURN=, R parameters, CYCLE81 to 89 and SUPA; Heidenhain's L, CC,
+    C, CP, CR, SPL, TOOL CALL, cycles for holes, M91 and M136, where axes alone are an L, and an arc without
+    DR turns as the one before; moves of printers. A curve without length is no move. What LinuxCNC refuses is
+    read as by others: G9, G11, G15, G16, G50, G60, G62, G63, G67, G69 to G71, M13, M14, M91 and M92; D and H
+    in any block, several M words, G4 with X, U, F or S, cycles with P or without, with L0 and heights of the
+    cycle before, K0 of a flat arc, G5 without its word or with Z, G5.1 without I or J, G93 without F or move,
+    M61 to M68 without their letters, X=5, #1=#2+1, names and comments beside %, comments before an o-word.
+    Tools, outputs, angles of M19 and axes are not looked up, and spindles may stand still.
 
     Refused by name are compensation of the radius, cycles of lathes, turned, scaled or shifted axes, rounded
     corners, probes, macros and what a file does not hold; also CIP, CT and POLY of Siemens, CALL, LP, CT,

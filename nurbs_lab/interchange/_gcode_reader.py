@@ -176,7 +176,7 @@ class _Interpreter(Commands):
     def _sorted(self, text, words):
         """A block as letters with numbers, G words in tenths, M words, and what a small letter says."""
         self.owned.clear()
-        block, codes, machine, lettered, theirs, bare = {}, [], [], [], "", set()
+        block, codes, machine, lettered, theirs = {}, [], [], [], ""
         for at, (letter, number) in enumerate(words):
             letter = {"U": "x", "W": "z"}.get(letter, letter) if self.lathe else letter  # steps of X and Z
             if letter == "G":
@@ -186,7 +186,6 @@ class _Interpreter(Commands):
             elif letter in theirs:
                 theirs = theirs.replace(letter, "")
                 self.owned.add(letter)
-                bare -= {machine[-1]} if letter in table.OUTPUTS.get(machine[-1], "") else set()
             elif letter not in MARKS:
                 if letter in block:
                     word = spelling.SPELT.get(letter, letter)
@@ -195,7 +194,6 @@ class _Interpreter(Commands):
             elif letter == "M":
                 machine.append(number)
                 theirs = table.M_WORDS[self.heidenhain].get(int(number), "")
-                bare |= {number} & table.OUTPUTS.keys()
             elif letter in LETTERED:
                 lettered.append(LETTERED[letter])
                 given = "".join(one for one, _ in words if one in "R^&")
@@ -206,8 +204,6 @@ class _Interpreter(Commands):
         for letter in block.keys() & TOOLS:
             if (number := block.pop(letter)) % 1 or number < 0:
                 raise ValueError(f"{letter}{number:g} is no whole number from 0; mend it")
-        for number in bare:
-            self.left_out[f"M{number:g}", "without its letters an order of the builder, and left out"] += 1
         if block.pop("O", None) is not None and (dict(words).keys() - {"N", "O"} or "#" in text):
             raise ValueError(f"{shown(text)} holds the number of a program; give it its own block")
         return block, codes, machine, lettered

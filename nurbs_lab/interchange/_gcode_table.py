@@ -88,8 +88,6 @@ MACHINE = {*range(10), 13, 14, 17, 19, 30, *range(48, 54), *range(60, 74), 91, 9
 M_WORDS = {19: "RPQS", 61: "Q", 66: "PLEQ", 67: "EQ", 68: "EQ"}
 M_WORDS |= dict.fromkeys((*range(50, 54), *range(62, 66)), "P") | dict.fromkeys(range(100, 200), "PQ")
 M_WORDS = M_WORDS, {118: ALL_AXES, 128: "F", 140: "F"}
-#: M words that LinuxCNC does not take without one of their letters.
-OUTPUTS = {61: "Q", 66: "PE", 67: "E", 68: "E", **dict.fromkeys(range(62, 66), "P")}
 #: Those that are refused -> why.
 CALLED = "calls what is not in this file, or by its line; write its moves out"
 REFUSED_M = {73: "restores the state after its subroutine; set it by words", 97: CALLED, 198: CALLED}
