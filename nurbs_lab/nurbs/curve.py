@@ -168,8 +168,8 @@ class NurbsCurve(Spline):
         points = spline.c[: len(spline.t) - spline.k - 1]
         return cls(spline.k, spline.t, points[:, None] if points.ndim == 1 else points)
 
-    def to_pyvista(self, samples=None):
-        """Points along the curve as a polyline, a `pyvista.PolyData`; 16 cells a span by default.
+    def to_pyvista(self):
+        """Points along the curve as a polyline, a `pyvista.PolyData`, 16 cells a span.
 
         Curves in the plane lie at z = 0.
         """
@@ -177,10 +177,7 @@ class NurbsCurve(Spline):
 
         if self.dim > 3:
             raise ValueError(f"only curves in up to 3-D can be drawn, this one is in {self.dim}-D")
-        if samples is None:
-            u = span_parameters(self.knots, self.degree, CELLS)
-        else:
-            u = np.linspace(*self.domain, checks.as_count("samples", samples, 2))
+        u = span_parameters(self.knots, self.degree, CELLS)
         points = np.zeros((len(u), 3))
         points[:, : self.dim] = self(u)
         return pyvista.PolyData(points, lines=[len(u), *range(len(u))])

@@ -10,7 +10,6 @@ from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 from nurbs_lab.nurbs.spans import span_parameters
 from nurbs_lab.nurbs.spline import Spline
 
-MOST_SAMPLES = 10_000  # of a picture, along one direction
 CELLS = 6  # of a picture, along each span
 
 
@@ -180,16 +179,12 @@ class NurbsSurface(Spline):
             raise TypeError(f"spline must be a scipy.interpolate.NdBSpline, got {type(spline).__name__}")
         return cls(spline.k, spline.t, spline.c)
 
-    def to_pyvista(self, samples=None):
-        """A `pyvista.StructuredGrid` of points, ``samples`` (along u, along v); else six cells a span."""
+    def to_pyvista(self):
+        """A `pyvista.StructuredGrid` of points, six cells a span."""
         import pyvista
 
         if self.dim != 3:
             raise ValueError(f"only surfaces in 3-D can be drawn, this one is in {self.dim}-D")
-        if samples is None:
-            u, v = (span_parameters(k, p, CELLS) for k, p in zip(self.knots, self.degrees, strict=True))
-        else:
-            counts = checks.as_pair("samples", samples, checks.as_count, 2, MOST_SAMPLES)
-            u, v = (np.linspace(*span, n) for span, n in zip(self.domain, counts, strict=True))
+        u, v = (span_parameters(k, p, CELLS) for k, p in zip(self.knots, self.degrees, strict=True))
         points = self.grid(u, v)
         return pyvista.StructuredGrid(*(points[..., d : d + 1] for d in range(3)))

@@ -10,11 +10,12 @@ from nurbs_lab.plotting.picture import Stored, opened, png_of
 from nurbs_lab.plotting.stage import image
 from nurbs_lab.plotting.style import canvas, plain_log_ticks, takes_axes
 
+COLOURS = 48  # of an animation: fewer make a smaller file
 HOLD_MS = 1000  # for which the last frame stands still before an animation starts again
 
 
 @takes_axes
-def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=None):
+def lines(x, series, *, x_label, y_label, log="", markers=False, ax=None):
     """Lines over a common axis, in the style of the other pictures.
 
     Parameters
@@ -27,13 +28,12 @@ def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=
         Which axes are logarithmic.
     markers : bool
         Mark every value.
-    title : str, optional
     """
     named = dict(series) if hasattr(series, "items") else {None: series}
     with canvas(7, 3.8, ax) as (figure, ax):
         for (name, values), marker in zip(named.items(), "osD^vPX*" * 9, strict=False):
             ax.plot(x, values, marker=marker if markers else None, label=name)
-        ax.set(xlabel=x_label, ylabel=y_label, title=title)
+        ax.set(xlabel=x_label, ylabel=y_label)
         ax.set_xscale("log" if "x" in log else "linear")
         ax.set_yscale("log" if "y" in log else "linear")
         if markers and "x" in log:
@@ -48,7 +48,7 @@ def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=
     return figure
 
 
-def animation(draw, values, *, alt, frame_s=0.1, colours=48):
+def animation(draw, values, *, alt, frame_s=0.1):
     """A picture that moves wherever a PNG can be shown: one frame for each value, then from the start.
 
     The file is stored in the notebook, so it plays in JupyterLab, on GitHub and on a static page, and needs
@@ -64,8 +64,6 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=48):
         Alternative text: what moves.
     frame_s : float
         Time of a frame, in s; browsers show none for less than 0.01 s.
-    colours : int
-        Colours of the stored picture, 2 to 256: fewer make a smaller file.
 
     Returns
     -------
@@ -86,8 +84,8 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=48):
     # One palette for all frames: the colours of the largest areas as they are, and more for all the others.
     strip = Image.fromarray(np.vstack([frames[k] for k in (0, len(frames) // 2, -1)]))
     counted = sorted(strip.getcolors(strip.width * strip.height), reverse=True)
-    areas = np.array([colour for _, colour in counted[: colours // 4]])
-    others = strip.quantize(colours - len(areas), Image.Quantize.MAXCOVERAGE, kmeans=2).getpalette()
+    areas = np.array([colour for _, colour in counted[: COLOURS // 4]])
+    others = strip.quantize(COLOURS - len(areas), Image.Quantize.MAXCOVERAGE, kmeans=2).getpalette()
     palette = np.vstack([areas, np.reshape(others, (-1, 3))])
     frames = [_coloured(frame, palette) for frame in frames]
     data = io.BytesIO()

@@ -142,7 +142,7 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
         return stage
 
     parts = list(itertools.pairwise([0, *np.unique(counts)]))
-    return animation(draw, parts, alt=alt, frame_s=0.2, colours=48)
+    return animation(draw, parts, alt=alt, frame_s=0.2)
 
 
 def _surface(part):

@@ -82,49 +82,33 @@ def figures_8_to_10(tool_path):
     return figure
 
 
-def fluctuation(paths, *, metric="chord", over="u"):
-    """Feed fluctuation along tool paths in percent, a panel for each on one logarithmic scale.
+@takes_axes
+def fluctuation(path, *, ax=None):
+    """Feed fluctuation of a tool path by chord, in percent on a logarithmic scale.
 
     A path of many steps is cut into 300 pieces, and the largest error of each piece is drawn. The last step
     is left out: it is commanded what was left to go, so it has no error of its own. What is below 1e-9 % is
-    rounding, and the panels of several paths end there; that of one path ends at its least value.
+    rounding, and drawn there.
 
     Parameters
     ----------
-    paths : ToolPath, or mapping from name to ToolPath
-    metric : {'chord', 'arc'}
-    over : {'u', 't'}
-
-    Returns
-    -------
-    matplotlib Figure
+    path : ToolPath
     """
-    named = dict(paths) if isinstance(paths, Mapping) else {paths.stepper: paths}
-    errors = {name: 100 * np.abs(getattr(one, f"{metric}_fluctuation"))[:-1] for name, one in named.items()}
-    largest = {name: _percent(values.max(initial=0.0)) for name, values in errors.items()}
-    told = "; ".join(f"{name} up to {most}" for name, most in largest.items())
-    words = f"{metric} fluctuation over {_OVER[over]}: {told}"
-    height = 3.4 if len(named) == 1 else 1.1 + 1.05 * len(named)
-    layout = {"rows": len(named), "sharex": True, "sharey": True, "squeeze": False}
-    with canvas(8, height, words=words, **layout) as (figure, panels):
-        panels = panels[:, 0]
-        for panel, (name, values) in zip(panels, errors.items(), strict=True):
-            at = getattr(named[name], over)[1:]
-            first = np.unique(np.linspace(0, len(values), min(len(values), _PIECES), False).astype(int))
-            if len(first):
-                pieces = np.maximum.reduceat(np.maximum(values, _ROUNDING), first), [*at[first], at[-2]]
-                panel.stairs(*pieces, baseline=None, color=BLUE)
-            panel.set(yscale="log", ylim=(_ROUNDING if len(named) > 1 else None, None))
-            rms = _percent(np.sqrt((values**2).sum() / max(len(values), 1)))
-            said = f"{name}\nlargest {largest[name]}\nrms {rms}"
-            panel.annotate(said, (1.02, 0.5), xycoords="axes fraction", va="center", annotation_clip=False)
-        plain_log_ticks(panels[0].yaxis)
-        figure.supylabel(f"{metric} fluctuation [%]", fontsize=11)
-        panels[-1].set_xlabel(_OVER[over])
+    as_kind("path", path, ToolPath)
+    values, at = 100 * np.abs(path.chord_fluctuation)[:-1], path.u[1:]
+    largest = _percent(values.max(initial=0.0))
+    words = f"chord fluctuation over parameter u: {path.stepper} up to {largest}"
+    with canvas(8, 3.4, ax, words=words) as (figure, ax):
+        first = np.unique(np.linspace(0, len(values), min(len(values), _PIECES), False).astype(int))
+        if len(first):
+            pieces = np.maximum.reduceat(np.maximum(values, _ROUNDING), first), [*at[first], at[-2]]
+            ax.stairs(*pieces, baseline=None, color=BLUE)
+        ax.set(yscale="log", xlabel="parameter u", ylabel="chord fluctuation [%]")
+        rms = _percent(np.sqrt((values**2).sum() / max(len(values), 1)))
+        said = f"{path.stepper}\nlargest {largest}\nrms {rms}"
+        ax.annotate(said, (1.02, 0.5), xycoords="axes fraction", va="center", annotation_clip=False)
+        plain_log_ticks(ax.yaxis)
     return figure
-
-
-_OVER = {"u": "parameter u", "t": "time [s]"}
 
 
 def _percent(value):

@@ -4,7 +4,6 @@ import io
 import re
 
 import numpy as np
-import pytest
 import trimesh
 from PIL import Image
 
@@ -38,7 +37,7 @@ def test_all_are_light_labelled_and_told_in_words(path, pipe):
         "curve": plot.curve(CURVE, points=CURVE.control_points, label="line"),
         "feed": plot.feed(path.feed, limits={"speed": 4.0}, curve=CURVE),
         "figures_8_to_10": plot.figures_8_to_10(path),
-        "fluctuation": plot.fluctuation(path, metric="arc", over="t"),
+        "fluctuation": plot.fluctuation(path),
         "layer": plot.layer(layer, order=True),
         "leaderboard": plot.leaderboard([score]),
         "lines": plot.lines(
@@ -124,24 +123,22 @@ def test_layer_closes_its_loops(pipe):
         assert one.get_color() == (style.RED if contour.is_hole else style.BLUE)
 
 
-@pytest.mark.parametrize("metric", ["chord", "arc"])
-def test_fluctuation_is_in_percent(path, metric):
-    figure = plot.fluctuation({"mine": path, "yours": path}, metric=metric, over="t")
-    expected = 100 * np.abs(getattr(path, f"{metric}_fluctuation"))[:-1]
+def test_fluctuation_is_in_percent(path):
+    (ax,) = plot.fluctuation(path).axes
+    expected = 100 * np.abs(path.chord_fluctuation)[:-1]
     assert len(expected) < 300  # so every step has a piece of its own
-    for ax, name in zip(figure.axes, ("mine", "yours"), strict=True):
-        drawn = ax.patches[-1].get_data()
-        np.testing.assert_array_equal(drawn.edges[:-1], path.t[1:-1])
-        np.testing.assert_allclose(drawn.values, np.maximum(expected, 1e-9))
-        assert texts(ax)[0].startswith(f"{name}\nlargest {expected.max():.2g}"[:18])
+    drawn = ax.patches[-1].get_data()
+    np.testing.assert_array_equal(drawn.edges[:-1], path.u[1:-1])
+    np.testing.assert_allclose(drawn.values, np.maximum(expected, 1e-9))
+    assert texts(ax)[0].startswith(f"{path.stepper}\nlargest {expected.max():.2g}"[:18])
 
 
 def test_fluctuation_shows_the_worst_of_many_steps():
     path = nl.trace(CURVE, 4.0, stepper="paper", period_s=1e-3)
-    (ax,) = plot.fluctuation(path, metric="arc").axes
+    (ax,) = plot.fluctuation(path).axes
     drawn = ax.patches[-1].get_data().values
     assert len(drawn) == 300
-    assert drawn.max() == 100 * np.abs(path.arc_fluctuation[:-1]).max()
+    assert drawn.max() == 100 * np.abs(path.chord_fluctuation[:-1]).max()
 
 
 def test_feed_shows_profile_limits_and_reasons(path):

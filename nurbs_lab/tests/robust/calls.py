@@ -53,7 +53,7 @@ NURBS = {
     "NurbsCurve.rotate": (CURVE.rotate, {"angle": 0.5, "axis": (0, 1, 1), "center": (1, 0, 0)}),
     "NurbsCurve.scale": (CURVE.scale, {"factor": np.array([1.0, 2.0, -0.5]), "center": (1, 0, 0)}),
     "NurbsCurve.join": (lambda other: CURVE.join(other), {"other": CURVE.translate(LINE[-1] - LINE[0])}),
-    "NurbsCurve.to_pyvista": (CURVE.to_pyvista, {"samples": 5}),
+    "NurbsCurve.to_pyvista": (CURVE.to_pyvista, {}),
     "NurbsCurve.length": (CURVE.length, {"u0": 0.25, "u1": 0.75}),
     "NurbsCurve.parameter_at": (CURVE.parameter_at, {"length": np.array([0.5, 2.0])}),
     "NurbsCurve.closest_point": (CURVE.closest_point, {"points": LINE}),
@@ -107,7 +107,7 @@ NURBS = {
     "NurbsSurface.rotate": (SURFACE.rotate, {"angle": 0.5, "axis": (0, 1, 1), "center": (1, 0, 0)}),
     "NurbsSurface.scale": (SURFACE.scale, {"factor": 2.0, "center": (1, 0, 0)}),
     "NurbsSurface.tessellate": (SURFACE.tessellate, {"tolerance": 0.125}),
-    "NurbsSurface.to_pyvista": (SURFACE.to_pyvista, {"samples": (4, 5)}),
+    "NurbsSurface.to_pyvista": (SURFACE.to_pyvista, {}),
     "interpolate_curve": (
         nl.interpolate_curve,
         {
