@@ -124,7 +124,9 @@ def _curves(points, tolerance):
     breaks = np.flatnonzero(np.r_[True, sharp | lone[1:] | lone[:-1], True])
     place, pieces = np.flatnonzero(kept), []
     for a, b in itertools.pairwise(breaks):
-        curve = _curve(points[a : b + 1], tolerance)
+        some = points[a : b + 1]  # without a corner: a line, an arc or a spline, or as it is
+        curve = line(some[0], some[-1]) if _straight(some, tolerance) else _arc(some, tolerance)
+        curve = curve or _spline(some, tolerance) or line(*some)
         both = pieces and len(curve.control_points) == len(pieces[-1][0].control_points) == 2
         if both and _straight(points[pieces[-1][1] : b + 1], tolerance):
             a = pieces.pop()[1]
@@ -150,13 +152,6 @@ def _straight(points, tolerance):
     off = points - points[0]
     away = lengths(off - (off @ unit)[:, None] * unit)
     return away.max() <= STRAIGHT * tolerance and (np.diff(points, axis=0) @ unit > 0).all()
-
-
-def _curve(points, tolerance):
-    """One stretch without a corner: a line, an arc, or a spline, or as it is."""
-    if _straight(points, tolerance):
-        return line(points[0], points[-1])
-    return _arc(points, tolerance) or _spline(points, tolerance) or line(*points)
 
 
 def _spline(points, tolerance):

@@ -1,6 +1,6 @@
 """From a point cloud to a triangle mesh, and what a mesh lacks."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import trimesh
@@ -74,10 +74,6 @@ class MeshReport:
 
 def check_mesh(mesh) -> MeshReport:
     """Report what a mesh is, without changing it."""
-    return _report(mesh, ())
-
-
-def _report(mesh, repairs):
     graph = mesh_graph(mesh)
     wrong = graph.boundary_edges, graph.non_manifold_edges, graph.against_winding_edges
     flaws = [len(edges) for edges in wrong]
@@ -87,7 +83,6 @@ def _report(mesh, repairs):
         _faces_outward(graph),
         *flaws,
         int(graph.junk.sum()),
-        tuple(repairs),
     )
 
 
@@ -169,7 +164,7 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
             f"{shown_place(middle + size * place)}; no points are near {100 * share:.2g} % of the surface"
         )
     mesh = trimesh.Trimesh(middle + size * uncrossed(moved, vertices, triangles), triangles, process=False)
-    mesh.metadata["report"] = _report(mesh, repairs)
+    mesh.metadata["report"] = replace(check_mesh(mesh), repairs=tuple(repairs))
     return mesh
 
 

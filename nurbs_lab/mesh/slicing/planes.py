@@ -69,7 +69,9 @@ def slice_mesh(mesh, heights, axis="z", *, fill="even-odd", executor=None) -> li
     >>> len(layer.contours), layer.area, layer.contours[0].length
     (1, 6.0, 10.0)
     """
-    heights, frame = _checked(heights), axis_frame(axis)
+    heights, frame = np.atleast_1d(as_floats("heights", heights)), axis_frame(axis)
+    if heights.ndim != 1:
+        raise ValueError(f"heights has shape {heights.shape}; give one number per plane")
     as_choice("fill", fill, ("even-odd", "nonzero"))
     as_executor(executor)
     levels, place = np.unique(heights, return_inverse=True)
@@ -82,11 +84,3 @@ def slice_mesh(mesh, heights, axis="z", *, fill="even-odd", executor=None) -> li
         said = f"mesh has gaps: contours of {count} of {len(layers)} layers are open, and their area counts 0"
         warnings.warn(f"{said}; close it with nurbs_lab.mesh.repair_mesh", stacklevel=3)
     return [layers[i] for i in place]
-
-
-def _checked(heights) -> np.ndarray:
-    """Heights as a flat array of finite numbers."""
-    heights = np.atleast_1d(as_floats("heights", heights))
-    if heights.ndim != 1:
-        raise ValueError(f"heights has shape {heights.shape}; give one number per plane")
-    return heights
