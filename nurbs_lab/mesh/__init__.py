@@ -35,6 +35,8 @@ points._HELD             0.95          of the points         nothing; 1: five of
 points._THIN             0.05          of the variance       nothing; 0: contours
 points._ALONG            1.5           neighbours' distance  contours; nothing
 normals.NEIGHBOURHOODS   9, 16, 24     points                box of 400: 1 % of volume; 1.2 x. One: 4 wrong
+normals._LINKS           10            neighbours            contours; nothing
+normals._MOST_AREA       4             median area           nothing; off: 1 of 32 is refused
 indicator._CELL          0.75          spacings              nothing; hollow box, cap and contours refused
 indicator._LEVELLING     2             spacings              nothing; nothing. Without levels 10 are wrong
 indicator._NEAR          20            points                contradicting normals pass; 1.7 x time

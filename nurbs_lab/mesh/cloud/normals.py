@@ -10,7 +10,9 @@ from scipy.sparse import coo_array
 
 from nurbs_lab.common.checks import lengths
 
-NEIGHBOURHOODS = (9, 16, 24)  # points; each point takes the flattest one, and is linked to the first
+NEIGHBOURHOODS = (9, 16, 24)  # points; each point takes the flattest one
+_LINKS = 10  # neighbours that a point may be linked to
+_MOST_AREA = 4.0  # of a point, in medians
 
 
 def directions_of(points, neighbours):
@@ -34,7 +36,7 @@ def directions_of(points, neighbours):
 def outward(points, neighbours, areas) -> np.ndarray:
     """Unit outward normals ``(n, 3)`` of points with known neighbours that each stand for an area."""
     directions = directions_of(points, neighbours)[0]
-    links = neighbours[:, 1 : NEIGHBOURHOODS[0] + 1]
+    links = neighbours[:, 1 : _LINKS + 1]
 
     def agreement(i, j):
         """Product of direction i with direction j mirrored at the plane halfway between the points.
@@ -52,7 +54,8 @@ def outward(points, neighbours, areas) -> np.ndarray:
     tails = np.repeat(np.arange(len(points)), links.shape[1])
     signs, part = _joined(tails, links.ravel(), agreement(tails, links.ravel()))
     normals = directions * signs[:, None]
-    return normals * _part_signs(points, normals * areas[:, None], part)[part][:, None]
+    most = _MOST_AREA * np.median(areas)  # a point far from others would outweigh the rest
+    return normals * _part_signs(points, normals * np.minimum(areas, most)[:, None], part)[part][:, None]
 
 
 def _joined(tails, heads, agreement):
