@@ -14,7 +14,7 @@ _SAMPLES (scurve), samples a cell       8        0, 0, 0; 1.0 x          0, 0, 0
 _MOST (scurve), cells                   20,000   0, +169, 0; 0.8 x       0, 0, 0; 1.0 x
 WHOLE.per_period (scurve), cells        4        0, +169, 0; 0.6 to 1 x  0, 0, 0; 1.2 to 2.6 x
 FALL (_scurve_problem), of the weight   0.2      0, 0, 0; 1.0 x          0, 0, 0; 1.0 x
-_NEAR (_scurve_problem), of a weight    0.3      0, 0, 0; 1.1 x          0, 0, 0; 1.1 x
+NEAR (_scurve_problem), of a weight     0.3      0, 0, 0; 1.1 x          0, 0, 0; 1.1 x
 _TRUST (multistep), of a step           1e-4     see notebook 07, 5      largest error 2 x
 ======================================  =======  ======================  ======================
 
@@ -51,10 +51,6 @@ _SHORT (multistep), of coordinates      5e-7     holds err 3 x           slow sh
 _NEAR (multistep), of a step            0.5      errors 1 x              errors 8 x
 _ROOM (multistep), of a limit           2.5e-4   1.1 x evaluations       chord errors 1.003
 _FINER (certificate), the bound         8        -58 (median of 60)      +29; 1.8 x
-_GAP (certificate), the bound           3e-4     +93 (median of 30)      0
-_NEAR (certificate), the bound          0.1      0                       0
-_LONGER (_relaxation), the bound        2        0; 1.05 x               0; 1.1 x
-_FIRST (certificate), the bound         0.1      100                     100; of 1, 1 of 4 has none
 ======================================  =======  ======================  ======================
 
 _SHORT at 5e-6 takes 3.4 times the acceleration on slow sharp turns, and at 0 holds err by 5e-7 of a step.
@@ -67,7 +63,6 @@ shorter, in 0.96 to 1.04 of the time of planning; another value does this:
 ======================================  =======  =============================================
 constant (module)                       value    another value
 ======================================  =======  =============================================
-JUMP (scan)                             1e-6     0: 3 are 4 to 19 % longer
 _MOST_CELLS (scan), in all, a span      2e4, 2e3 none is refused at half
 _NEGLIGIBLE (corners)                   1e-7     0: 8 are up to 19 % longer
 _APART (corners), of the length         1e-10    0: 3 of 16 polylines 0.5 to 2 % beyond a limit
@@ -79,12 +74,11 @@ STEPS (_scurve_problem)                 1000     60: a spline at 1e4 mm/s takes 
 _PART (scurve), of accelerations        0.5      0.25: 1.2 x the Newton steps on polylines
 _PULLS (_scurve_problem), of a cell     1 to 1e4 up to 1e2: ends are refused from 0.997 of it on, not 0.9997
 _STAGES (_scurve_problem), weights      3        1: a sine of 300 facets is refused; 0: a circle of 4,000 too
-_SHARPEST (scan), of the length         1e-12    0: 12 of 24 near-cusps below 1e-12 mm are refused, not 5
+SHARPEST (scan), of the length          1e-12    0: 12 of 24 near-cusps below 1e-12 mm are refused, not 5
 _LEAP (trace), of a step                10       4: 'adams' is refused at spans 3.6, not 8.5 times as short
 _NEARER (_verify), rounds               4        1: 3 of 10 splines 5e-5 to 5e-4 beyond a jerk of axes
-_ROUNDING (_verify), of the length      1e-13    0: a near-cusp of radius 6e-12 mm is refused
 CUSP (prepared_curve), of mean C'       1e-10    0: 4 of 30 near-cusps are planned, not followed
-EQUAL_WITHIN (prepared_curve)           1e-6     0: 6 of 60 plans are not those of their curve
+EQUAL_WITHIN (prepared_curve)           1e-6     0: 6 of 60 are not of their curve, 3 4 to 19 % longer
 EQUAL (override), of a speed            1e-9     1e-6: speeds of overrides jump by as much
 _HALVINGS (override)                    40       20: commands are met late, in more than 5 x the time
 _TRIALS (override), halvings            4        16: 2 to 3 x the time, no limit is used more or less

@@ -10,7 +10,7 @@ from nurbs_lab.motion import _scurve_kernels
 #: The weight of the barrier is multiplied by this from one stage to the next.
 FALL = 0.2
 #: A stage before the last ends when a Newton step would gain less than this part of the weight a cell.
-_NEAR = 0.3
+NEAR = 0.3
 #: From rest to the speeds of the ends: what growing by a part counts beside the room of a cell.
 _PULLS = 10.0 ** np.arange(5)
 #: Stages at most in which a slowed motion becomes fast, before its ends do.
@@ -104,15 +104,6 @@ class Block:
         """The same block for motions slower by a factor."""
         return replace(self, ends=self.ends / factor**2)
 
-    def infeasibility(self, middle):
-        """The least power of 1.2 by which a motion must be slowed to keep the limits; infinite above 1e9."""
-        factor = 1.0
-        while not self._slower(factor).is_feasible(middle / factor**2):
-            factor *= 1.2
-            if factor > 1e9:
-                return np.inf
-        return factor
-
     def make_feasible(self, middle):
         """Change a motion, in place, until it keeps every limit; the first weight of its solution, or 0.
 
@@ -121,8 +112,10 @@ class Block:
         speeds of the ends grow, and the whole motion with them, by a barrier method on the logarithm of the
         part of v² that is reached. 0 means that no motion was found.
         """
-        factor, near = self.infeasibility(middle), _NEAR * len(middle)
-        if not 1.0 < factor < np.inf:
+        factor, near = 1.0, NEAR * len(middle)
+        while factor < 1e9 and not self._slower(factor).is_feasible(middle / factor**2):
+            factor *= 1.2
+        if not 1.0 < factor < 1e9:
             return self._balanced_weight(middle) if factor == 1.0 else 0.0
         block, slowed, motions = self._slower(factor), middle / factor**2, []
         for stage in range(_STAGES):
@@ -151,7 +144,7 @@ class Block:
         """
         block = self
         while weight * 8.0 * len(middle) > gap * self.time(middle):
-            block.centre(middle, weight, _NEAR * len(middle), STEPS)
+            block.centre(middle, weight, NEAR * len(middle), STEPS)
             block, weight = block._for_phases(middle), weight * FALL
         block.centre(middle, weight)
         return block, weight
@@ -204,12 +197,6 @@ class Block:
         found = np.empty((2, 3 * len(middle)))
         _scurve_kernels.phases(np.diff(self.nodes), *self.squares(middle), *found)
         return found
-
-    def hardest(self, middle):
-        """Length at which a motion is farthest beyond a limit, and the name of that limit."""
-        names, parts = self.binding(middle)
-        cell = int(np.argmax(parts))
-        return float(self.nodes[cell]), names[cell]
 
     def binding(self, middle):
         """Name of the limit nearest to being met, cell by cell, and the part of it that is taken."""

@@ -7,7 +7,7 @@ from nurbs_lab.common.checks import lengths as lengths_of
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.feed import MOST_SAMPLES, largest_motion
 from nurbs_lab.motion.limits import NAMES, OF_AXES
-from nurbs_lab.motion.scan import arc_lengths, path_derivatives
+from nurbs_lab.motion.scan import SHARPEST, arc_lengths, path_derivatives
 
 #: Where limits are checked in a cell between two samples of the path, as parts of it.
 _INSIDE = np.clip(np.linspace(0.0, 1.0, 5), 1e-9, 1.0 - 1e-9)
@@ -15,8 +15,6 @@ _INSIDE = np.clip(np.linspace(0.0, 1.0, 5), 1e-9, 1.0 - 1e-9)
 BY_SPEED = "chord_error", "centripetal_acceleration", "axis_speed"
 #: So often the places are twice as dense where a limit may be exceeded between them.
 _NEARER = 4
-#: Lengths along the path are known to this part of the whole.
-_ROUNDING = 1e-13
 
 
 def excesses(path, limits, profile):
@@ -147,7 +145,7 @@ def _off_the_joints(profile, lengths, times):
     """Times moved off the ends of their cells, where rounding decides on which side of a knot a place is."""
     t, s = times.reshape(-1, len(_INSIDE)), lengths.reshape(-1, len(_INSIDE))
     with np.errstate(divide="ignore"):
-        part = np.minimum(1e-4 + _ROUNDING * profile.length / (s[:, -1:] - s[:, :1]), 0.5)
+        part = np.minimum(1e-4 + SHARPEST * profile.length / (s[:, -1:] - s[:, :1]), 0.5)
     near = part * (t[:, -1:] - t[:, :1])
     return np.clip(t, t[:, :1] + near, t[:, -1:] - near).ravel()
 

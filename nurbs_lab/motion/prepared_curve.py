@@ -13,7 +13,8 @@ from nurbs_lab.nurbs.spans import find_breaks, span_table
 #: |C'| below this part of its mean counts as a cusp; about this part of the length of the span is left out at
 #: a double or triple end point, where C' vanishes, and beyond it |C'| is larger.
 CUSP = 1e-10
-#: Lengths, periods, and points beside the size of their curve, are equal that differ by no more than this.
+#: Lengths, periods, points, tangents and curvatures are equal that differ by no more than this, if need be of
+#: the size of their curve.
 EQUAL_WITHIN = 1e-6
 
 

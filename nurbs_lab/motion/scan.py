@@ -8,20 +8,19 @@ from nurbs_lab.common.checks import largest
 from nurbs_lab.common.checks import lengths as lengths_of
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.corners import ROWS, sampled, slowed_at_corners
+from nurbs_lab.motion.prepared_curve import EQUAL_WITHIN
 from nurbs_lab.nurbs import span_kernels
 
 #: Cells are halved until the speed limit between their ends is linear to this part, by which limits that
 #: follow from the curve are lowered, for what happens between two samples.
 SCAN_TOLERANCE = 2e-4
-#: Tangents, and curvatures times the length, that differ by more on the two sides of a knot, jump there.
-JUMP = 1e-6
 #: Where the acceleration may step, the path turns by no more than this (radians) between two samples, since
 #: what a limit leaves along it changes with its direction.
 TURN = 5e-3
 #: Beside a knot where the speed limit jumps, samples lie at this part of its spans.
 _BESIDE = 1e-2
 #: Radii below this part of the length count as this large: rounding of the length hides what happens there.
-_SHARPEST = 1e-12
+SHARPEST = 1e-12
 #: Cells of a span before the first halving.
 _FIRST_CELLS = 8
 #: Most cells that are halved: so many in all, and so many more for each span.
@@ -222,7 +221,7 @@ def _merged(path, ends, limits):
     tops[[ends - 1, ends]] = tops[[ends - 1, ends]].min(axis=0)
     both = np.hstack([path.tangents, path.curvatures * path.length])
     keep = np.ones(len(speeds), dtype=bool)
-    keep[ends] = largest(both[ends] - both[ends - 1]) > JUMP
+    keep[ends] = largest(both[ends] - both[ends - 1]) > EQUAL_WITHIN
     steps = path.tangents[ends] - path.tangents[ends - 1]
     kinked = steps.any(axis=1)
     kinks = np.concatenate([path.kinks, np.column_stack([path.lengths[ends], steps])[kinked]])
@@ -241,7 +240,7 @@ def arc_lengths(track, u):
 
 def path_derivatives(track, span, u):
     """Unit tangents, curvature vectors and their rates, each parameter seen from the inside of its span."""
-    found, sharpest = np.empty((3, len(u), track.curve.dim)), 1.0 / (_SHARPEST * track.length)
+    found, sharpest = np.empty((3, len(u), track.curve.dim)), 1.0 / (SHARPEST * track.length)
     _kernels.path_derivatives(track.spans, span, u, *found)
     found[1] *= (sharpest / np.maximum(lengths_of(found[1]), sharpest))[:, None]
     return found
@@ -306,7 +305,7 @@ def _beside_jumps(breaks, sampled):
     spans = np.arange(len(breaks) - 1)
     before, after = sampled(spans[:-1], breaks[1:-1]), sampled(spans[1:], breaks[1:-1])
     jump = np.abs(before - after)[:, 0] > SCAN_TOLERANCE * np.minimum(before, after)[:, 0]
-    left = np.flatnonzero(jump | (np.linalg.norm(after[:, 2:] - before[:, 2:], axis=1) > JUMP))
+    left = np.flatnonzero(jump | (np.linalg.norm(after[:, 2:] - before[:, 2:], axis=1) > EQUAL_WITHIN))
     near = _BESIDE * np.diff(breaks)
     before, after = np.append(left, len(breaks) - 2), np.append(left + 1, 0)
     span = np.concatenate([before, after])

@@ -8,7 +8,7 @@ import numpy as np
 
 from nurbs_lab.motion._scurve_problem import Block
 from nurbs_lab.motion.feed import FeedProfile, from_jerks, path_of_jerks, stretch
-from nurbs_lab.motion.scan import JUMP
+from nurbs_lab.motion.prepared_curve import EQUAL_WITHIN
 from nurbs_lab.motion.trapezoid import fastest
 
 #: Cells at most: so many in all, so many more for each corner, and one for each sample of the path.
@@ -86,7 +86,8 @@ def s_curve(path, limits, ends, fineness):
     block, middle = _prepare(path, steep, ends, lengths, squares, fineness)
     weight = block.make_feasible(middle)
     if not weight:
-        at, name = block.hardest(middle)
+        names, parts = block.binding(middle)
+        at, name = block.nodes[parts.argmax()], names[parts.argmax()]
         raise ValueError(
             f"no S-curve fits between start_speed {ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s: "
             f"{name} leaves no way on at {path.place(at)}; raise it or jerk, or lower these speeds"
@@ -243,7 +244,7 @@ def limits_on(path, limits, nodes, speeds, margin):
     causes[held < caps] = "acceleration"
     caps = np.minimum(caps, held)
     (low, high), (least, most), kappas = _around_nodes(path, nodes, sides)
-    inner = np.where(kappas * path.length > JUMP, 1.0, 0.0)
+    inner = np.where(kappas * path.length > EQUAL_WITHIN, 1.0, 0.0)
     # no margin at an end that moves, whose speed may be all that is allowed
     for speed, away in zip(speeds, (nodes, nodes[-1] - nodes), strict=True):
         if speed * speed > 0.0:
