@@ -9,31 +9,19 @@ DEGREE = 5  # of all patches
 
 
 def number_nodes(layout, n):
-    """Numbers of n x n nodes of every face, ``(faces, n, n)``, equal where faces meet; how many there are."""
-    ((_, net),), count = number_grids(layout, np.full(len(layout.sides), n - 1))
-    return net, count
+    """Numbers of n x n nodes of every face, ``(faces, n, n)``, equal where faces meet; how many there are.
 
-
-def number_grids(layout, cells):
-    """For every size of grid its faces and nodes, ``(faces, nu + 1, nv + 1)``; how many nodes there are.
-
-    ``cells`` are those along every edge, equal on opposite edges of a face. The nodes of vertices come first,
-    then those of the edges, in their direction, then those inside the faces.
+    The nodes of vertices come first, then those of edges, in their direction, then those inside the faces.
     """
-    first = int(layout.corners.max()) + 1 + np.concatenate([[0], np.cumsum(cells - 1)])
-    count, sizes, out = int(first[-1]), cells[layout.edges[:, :2]], []
-    for nu, nv in np.unique(sizes, axis=0):
-        faces = np.flatnonzero((sizes == (nu, nv)).all(axis=1))
-        net = np.empty((len(faces), nu + 1, nv + 1), dtype=np.int64)
-        for k, side in enumerate(sides_of(net)):
-            along = first[layout.edges[faces, k], None] + np.arange(side.shape[1] - 2)
-            side[:, 0] = layout.corners[faces, k]
-            side[:, 1:-1] = np.where(layout.forward[faces, k, None], along, along[:, ::-1])
-        inside = net[:, 1:-1, 1:-1]
-        inside[:] = count + np.arange(inside.size).reshape(inside.shape)
-        count += inside.size
-        out.append((faces, net))
-    return out, count
+    net = np.empty((len(layout.edges), n, n), dtype=np.int64)
+    first = int(layout.corners.max()) + 1
+    for k, side in enumerate(sides_of(net)):
+        along = first + (n - 2) * layout.edges[:, k, None] + np.arange(n - 2)
+        side[:, 0] = layout.corners[:, k]
+        side[:, 1:-1] = np.where(layout.forward[:, k, None], along, along[:, ::-1])
+    count, inside = first + (n - 2) * len(layout.sides), net[:, 1:-1, 1:-1]
+    inside[:] = count + np.arange(inside.size).reshape(inside.shape)
+    return net, count + inside.size
 
 
 def turned(grids):

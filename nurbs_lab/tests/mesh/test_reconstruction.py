@@ -353,3 +353,15 @@ def test_arguments():
     for name, value in wrong:
         with pytest.raises(ValueError, match=name):
             nl.reconstruct(ball, **{"tolerance": 0.1, name: value})
+
+
+@pytest.mark.parametrize(("cells", "steps"), [(2, 2), (2, 9), (7, 7), (5, 12)])
+def test_a_row_of_cells_is_joined_to_a_finer_side_without_gap_or_overlap(cells, steps):
+    inside = np.column_stack([np.arange(1, cells) / cells, np.ones(cells - 1)])
+    places = np.concatenate([inside, np.column_stack([np.arange(steps + 1) / steps, np.zeros(steps + 1)])])
+    rows = np.arange(cells - 1), np.arange(cells - 1, len(places))
+    corners = places[np.concatenate(list(shell_triangles._between(*rows)))]
+    areas = np.linalg.det(np.diff(corners, axis=1)) / 2.0
+    assert areas.min() > 0.0
+    assert areas.sum() == pytest.approx(1.0 - 1.0 / cells)
+    assert np.ptp(corners[..., 0], axis=1).max() <= 1.0 / cells + 1e-12
