@@ -17,7 +17,7 @@ from nurbs_lab.mesh.solid.shell_triangles import crossed
 IN_VAIN = 4  # attempts in a row that are not better than the best one, which ends the search; 1 if it fits
 SAFETY = 0.98  # of the tolerance is aimed at
 MOST_FACES = 3000  # of a shell, if it has no more triangles; and of all attempts after the first, together
-TRIED = 2.0  # faces of all attempts together for each of enough, at which the search ends
+DENSE = 0.67  # faces of a layout for each of enough, above which planes are as good
 RAISE = 1.5  # times its ratio to the aim: the factor of the weight of a face that misses
 COST = 0.03  # largest quadric error of the first layout at a tolerance of 1 / 200 of the size, as a length
 _SLIVER = 0.5  # of the tolerance: sharp edges nearer to one another become one, others move less when turned
@@ -54,7 +54,7 @@ def build(part, tolerance, sharp_angle, most_faces=None, enough=np.inf, regions=
     """Fit a shell to a closed surface; the best of the attempts if none keeps the tolerance.
 
     By default it has at most `MOST_FACES`, or as many faces as the surface has triangles. None if no fit
-    keeps the tolerance, and the layouts have ``enough`` faces together; at `TRIED` times that they end.
+    keeps the tolerance, and the layouts have ``enough`` faces together, or one `DENSE` times as many.
     Of ``regions``, a number for every triangle and their surfaces, only those of number -1 are fitted, and
     their rims are held on the surfaces of the others.
 
@@ -110,7 +110,9 @@ def _refined(mesh, targets, samples, within, limits, meets, regions):
                 f"{len(layout.corners)}, and {layout.sharp.mean():.0%} of its edges are sharp; give a larger "
                 "sharp_angle or tolerance"
             )
-        if faces >= TRIED * enough or (attempt and (faces > MOST_FACES or len(layout.corners) > most_faces)):
+        if len(layout.corners) > DENSE * enough:
+            return best if kept else None
+        if attempt and (faces > MOST_FACES or len(layout.corners) > most_faces):
             break
         nodes, middle = even_grid(mesh, layout, chart)
         if not np.array_equal(nodes, before):  # or the fit would be the same

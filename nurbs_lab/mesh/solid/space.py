@@ -65,7 +65,6 @@ def _angles_of_sectors(layout, angles):
     farthest = np.zeros(len(layout.fixed))
     np.maximum.at(farthest, vertex, off)
     through = (sharp == 2) & (~layout.fixed[vertex] | (farthest[vertex] < _STRAIGHT))
-    through &= ~np.isin(vertex, vertex[size == 1])
     beside = np.where(angle < 180.0, 180.0 - _STRAIGHT, 180.0 + _STRAIGHT)
     angle = np.where(through, 180.0, np.where(off < _STRAIGHT, beside, angle))
     return np.radians(np.where(sharp < 2, 360.0, angle) / size)[sector]
