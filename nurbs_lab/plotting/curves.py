@@ -11,15 +11,17 @@ PER_SPAN = 16  # of them, at least, so that short spans stay round in an enlarge
 
 
 @takes_axes
-def curve(curve, *, knots=True, comb=False, points=None, label=None, window=None, ax=None):
+def curve(
+    curve, *, control_polygon=True, knots=True, comb=False, points=None, label=None, window=None, ax=None
+):
     """A curve with its control polygon, knots, curvature comb and data points.
 
     Parameters
     ----------
     curve : NurbsCurve
         Drawn are x and y.
-    knots : bool
-        Draw the points of the curve at its knots.
+    control_polygon, knots : bool
+        Draw the control points and the points of the curve at its knots.
     comb : bool
         Draw the curvature comb: teeth along the normal, as long as the curvature, the longest a
         tenth of the picture.
@@ -46,10 +48,11 @@ def curve(curve, *, knots=True, comb=False, points=None, label=None, window=None
         ax.plot(
             *path.T, color=BLUE, linestyle="-", linewidth=2, label=label or f"curve, degree {curve.degree}"
         )
-        polygon, degree = curve.control_points[:, :2], curve.degree
-        if np.array_equal(polygon[:degree], polygon[-degree:]):  # closed: they come again
-            polygon = polygon[: len(polygon) - degree + 1]
-        ax.plot(*polygon.T, "o--", color=GREY, linewidth=1, label="control polygon", zorder=1)
+        if control_polygon:
+            polygon, degree = curve.control_points[:, :2], curve.degree
+            if np.array_equal(polygon[:degree], polygon[-degree:]):  # closed: they come again
+                polygon = polygon[: len(polygon) - degree + 1]
+            ax.plot(*polygon.T, "o--", color=GREY, linewidth=1, label="control polygon", zorder=1)
         if knots:
             inner = find_breaks(curve.knots, curve.degree)
             size = 5 if len(inner) <= 40 else 2
