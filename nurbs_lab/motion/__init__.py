@@ -51,8 +51,13 @@ _SHORT (multistep), of coordinates      5e-7     holds err 3 x           slow sh
 _NEAR (multistep), of a step            0.5      errors 1 x              errors 8 x
 _ROOM (multistep), of a limit           2.5e-4   1.1 x evaluations       chord errors 1.003
 _FINER (certificate), the bound         8        -58 (median of 60)      +29; 1.8 x
+_GAP (certificate), the bound           3e-4     +93 (median of 30)      0
+_NEAR (certificate), the bound          0.1      0                       0
+_LONGER (_relaxation), the bound        2        0; 1.05 x               0; 1.1 x
+_FIRST (certificate), the bound         0.1      100                     100; of 1, 1 of 4 has none
 ======================================  =======  ======================  ======================
 
+The four of the bound at the values of plans leave one of 16 plans, of teeth with jerk of axes, without one.
 _SHORT at 5e-6 takes 3.4 times the acceleration on slow sharp turns, and at 0 holds err by 5e-7 of a step.
 The hundredth of a step that `settle` adds to the last one: at half its value 3 of 360 paths that end at speed
 take a period too many, at twice none.

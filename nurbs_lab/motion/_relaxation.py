@@ -12,6 +12,9 @@ time than their sum, nor than minus their sum.
 
 from nurbs_lab.common.kernels import inlined, kernel
 
+#: Steps to the time of a cell that is best for it.
+_LONGER = 2
+
 
 @kernel
 def _least(free, i, k, needed, ends):
@@ -29,12 +32,13 @@ def time_of_cell(free, i, needed, ends, weight):
     count, least, longer = 1 + 2 * free.shape[1], needed, weight
     for k in range(1, count):
         least = max(least, _least(free, i, k, needed, ends))
-    slope = curvature = 0.0  # a step to where time and barrier are least
-    for k in range(count):
-        steep = weight / (least + longer - _least(free, i, k, needed, ends))
-        slope += steep
-        curvature += steep * steep
-    longer += weight * (slope * slope - slope) / curvature
+    for _ in range(_LONGER):  # least in time and barrier
+        slope = curvature = 0.0
+        for k in range(count):
+            steep = weight / (least + longer - _least(free, i, k, needed, ends))
+            slope += steep
+            curvature += steep * steep
+        longer += weight * (slope * slope - slope) / curvature
     room = 1.0
     for k in range(count):
         room *= least + longer - _least(free, i, k, needed, ends)

@@ -21,7 +21,7 @@ import numpy as np
 
 from nurbs_lab.common.values import Value
 from nurbs_lab.motion import _scurve_kernels
-from nurbs_lab.motion._scurve_problem import FALL, LIMITS, NEAR, STEPS
+from nurbs_lab.motion._scurve_problem import FALL, LIMITS, STEPS
 from nurbs_lab.motion._verify import excesses
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import SCAN_TOLERANCE, TURN, scan
@@ -30,6 +30,12 @@ from nurbs_lab.motion.trapezoid import fastest
 
 #: The bound without a limit of jerk has samples closer than those of a plan by this factor.
 _FINER = 8.0
+#: The bound with one may be lower than the least time by this part.
+_GAP = 3e-4
+#: The barrier's first weight, as a part of that at which time and all rooms count alike.
+_FIRST = 0.1
+#: A stage ends when one more Newton step would gain less than this part of its weight.
+_NEAR = 0.1
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -127,13 +133,13 @@ def _least_time(block, middle):
     problem = widths, *others, turns[:, :0].copy(), np.stack(free, axis=2)
     count = 2 * (len(middle) - 2) + (1 + block.along.shape[1]) * (len(middle) - 1)
     count += (1 + turns.shape[1]) * len(middle)
-    weight = FALL * block.time(middle) / count
+    weight = _FIRST * block.time(middle) / count
     block.centre(middle, weight)  # away from all limits Newton's method gets under way sooner
     while True:
-        _, decrement = _scurve_kernels.centre(problem, middle, weight, NEAR, STEPS, (1.0, 0.0))
-        if not decrement <= NEAR * weight:
+        _, decrement = _scurve_kernels.centre(problem, middle, weight, _NEAR, STEPS, (1.0, 0.0))
+        if not decrement <= _NEAR * weight:
             return 0.0  # nothing is known
-        if weight * count <= WHOLE.gap * block.time(middle):
+        if weight * count <= _GAP * block.time(middle):
             break
         weight *= FALL
     time, _ = _scurve_kernels.potential(problem, middle, weight, *np.empty((2, len(middle) + 1)))
