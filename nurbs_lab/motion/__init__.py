@@ -14,7 +14,7 @@ _SAMPLES (scurve), samples a cell       8        0, 0, 0; 1.0 x          0, 0, 0
 _MOST (scurve), cells                   20,000   0, +169, 0; 0.8 x       0, 0, 0; 1.0 x
 WHOLE.per_period (scurve), cells        4        0, +169, 0; 0.6 to 1 x  0, 0, 0; 1.2 to 2.6 x
 FALL (_scurve_problem), of the weight   0.2      0, 0, 0; 1.0 x          0, 0, 0; 1.0 x
-NEAR (_scurve_problem), of a weight     0.3      0, 0, 0; 1.1 x          0, 0, 0; 1.1 x
+_NEAR (_scurve_problem), of a weight    0.3      0, 0, 0; 1.1 x          0, 0, 0; 1.1 x
 _TRUST (multistep), of a step           1e-4     see notebook 07, 5      largest error 2 x
 ======================================  =======  ======================  ======================
 

@@ -10,7 +10,7 @@ from nurbs_lab.motion import _scurve_kernels
 #: The weight of the barrier is multiplied by this from one stage to the next.
 FALL = 0.2
 #: A stage before the last ends when a Newton step would gain less than this part of the weight a cell.
-NEAR = 0.3
+_NEAR = 0.3
 #: From rest to the speeds of the ends: what growing by a part counts beside the room of a cell.
 _PULLS = 10.0 ** np.arange(5)
 #: Stages at most in which a slowed motion becomes fast, before its ends do.
@@ -112,7 +112,7 @@ class Block:
         speeds of the ends grow, and the whole motion with them, by a barrier method on the logarithm of the
         part of v² that is reached. 0 means that no motion was found.
         """
-        factor, near = 1.0, NEAR * len(middle)
+        factor, near = 1.0, _NEAR * len(middle)
         while factor < 1e9 and not self._slower(factor).is_feasible(middle / factor**2):
             factor *= 1.2
         if not 1.0 < factor < 1e9:
@@ -144,7 +144,7 @@ class Block:
         """
         block = self
         while weight * 8.0 * len(middle) > gap * self.time(middle):
-            block.centre(middle, weight, NEAR * len(middle), STEPS)
+            block.centre(middle, weight, _NEAR * len(middle), STEPS)
             block, weight = block._for_phases(middle), weight * FALL
         block.centre(middle, weight)
         return block, weight

@@ -10,7 +10,7 @@ from nurbs_lab.plotting.picture import Stored, opened, png_of
 from nurbs_lab.plotting.stage import image
 from nurbs_lab.plotting.style import canvas, plain_log_ticks, takes_axes
 
-COLOURS = 48  # of an animation: fewer make a smaller file
+PALETTE = 48  # of an animation: fewer make a smaller file
 HOLD_MS = 1000  # for which the last frame stands still before an animation starts again
 
 
@@ -84,8 +84,8 @@ def animation(draw, values, *, alt, frame_s=0.1):
     # One palette for all frames: the colours of the largest areas as they are, and more for all the others.
     strip = Image.fromarray(np.vstack([frames[k] for k in (0, len(frames) // 2, -1)]))
     counted = sorted(strip.getcolors(strip.width * strip.height), reverse=True)
-    areas = np.array([colour for _, colour in counted[: COLOURS // 4]])
-    others = strip.quantize(COLOURS - len(areas), Image.Quantize.MAXCOVERAGE, kmeans=2).getpalette()
+    areas = np.array([colour for _, colour in counted[: PALETTE // 4]])
+    others = strip.quantize(PALETTE - len(areas), Image.Quantize.MAXCOVERAGE, kmeans=2).getpalette()
     palette = np.vstack([areas, np.reshape(others, (-1, 3))])
     frames = [_coloured(frame, palette) for frame in frames]
     data = io.BytesIO()

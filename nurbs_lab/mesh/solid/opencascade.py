@@ -238,15 +238,15 @@ def _normals_along(edge, face, t):
 def triangles_of(shape, tolerance) -> trimesh.Trimesh:
     """Closed triangles within ``tolerance`` mm of a closed shape; attribute ``face`` numbers its faces."""
     BRepTools.Clean_s(shape)
-    how, others = IMeshTools_Parameters(), TopoDS_Compound()
+    how, by_delabella = IMeshTools_Parameters(), TopoDS_Compound()
     how.Deflection, how.Angle = tolerance, 0.5
-    BRep_Builder().MakeCompound(others)
+    BRep_Builder().MakeCompound(by_delabella)
     for face in map(TopoDS.Face_s, parts(shape, TopAbs_FACE)):
         if not is_flat(BRep_Tool.Surface_s(face)) or len(list(parts(face, TopAbs_WIRE))) > 1:
-            BRep_Builder().Add(others, face)
-    # The usual algorithm is quadratic; this one can crash at a plane within an arc and its centre.
+            BRep_Builder().Add(by_delabella, face)
+    # Watson's algorithm is quadratic; Delabella's can crash at a plane within an arc and its centre.
     how.MeshAlgo = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Delabella
-    BRepMesh_IncrementalMesh(others, how)
+    BRepMesh_IncrementalMesh(by_delabella, how)
     how.MeshAlgo = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Watson
     BRepMesh_IncrementalMesh(shape, how)
     vertices, faces, count = [], [], 0

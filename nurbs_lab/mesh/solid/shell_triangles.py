@@ -38,9 +38,9 @@ def _divided(patches, tolerance):
     """Points, triangles, and the patch of each triangle."""
     layout, nets = patches.layout, patches.nets
     cells = np.ceil(_cells(patches) / np.sqrt(tolerance)).clip(2).astype(np.int64)
-    finest = np.zeros(len(layout.sides), dtype=np.int64)
-    np.maximum.at(finest, layout.edges, np.tile(cells, 2))
-    points, triangles, edges = [np.zeros((layout.corners.max() + 1, 3))], [], {}
+    steps = np.zeros(len(layout.sides), dtype=np.int64)  # along every edge
+    np.maximum.at(steps, layout.edges, np.tile(cells, 2))
+    points, triangles, waiting = [np.zeros((layout.corners.max() + 1, 3))], [], {}
     points[0][layout.corners] = nets[:, [0, -1, -1, 0], [0, 0, -1, -1]]  # of faces left out, none are used
     count = len(points[0])
 
@@ -58,9 +58,9 @@ def _divided(patches, tolerance):
         own = [np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)]
         for k, (inner, curve) in enumerate(zip(sides_of(grid), sides_of(net[None]), strict=True)):
             edge = layout.edges[face, k]
-            if (nodes := edges.pop(edge, None)) is None:
-                nodes = numbers(basis_at(np.arange(1, finest[edge]) / finest[edge]) @ curve[0])
-                edges[edge] = nodes[::-1]  # for the patch on the other side
+            if (nodes := waiting.pop(edge, None)) is None:
+                nodes = numbers(basis_at(np.arange(1, steps[edge]) / steps[edge]) @ curve[0])
+                waiting[edge] = nodes[::-1]  # for the patch on the other side
             first, last = layout.corners[face, [k, (k + 1) % 4]]
             own += _between(inner[0], np.concatenate([[first], nodes, [last]]))
         triangles.append(np.concatenate(own))
