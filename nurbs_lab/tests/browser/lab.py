@@ -1,6 +1,7 @@
 """What a person does in JupyterLab: open a notebook, run it, look."""
 
 import time
+from contextlib import suppress
 from pathlib import Path
 
 EXPORTS = Path(__file__).parents[3] / "exports"
@@ -83,6 +84,15 @@ class Lab:
                 self.screenshot(f"{self.notebook}-late")
                 raise TimeoutError(f"{self.notebook} did not change in {timeout_s} s")
             self.page.wait_for_timeout(200)
+
+    def interrupt_until(self, condition):
+        """Interrupt the kernel as a person does: again if it ignored it, as it does before the work has begun
+        and as Python does where an object is being finalised."""
+        for _ in range(6):
+            self.command("notebook:interrupt-kernel")
+            with suppress(TimeoutError):
+                return self.wait_for(condition, 10)
+        raise TimeoutError(f"{self.notebook} was not stopped by six interrupts")
 
     def go_to_cell(self, index):
         """Scroll there; JupyterLab draws only the cells in view."""

@@ -92,9 +92,7 @@ def test_sliders_are_moved_by_keys_alone_and_outlive_an_interrupt(chromium, serv
         said.append(lab.page.evaluate(FOCUSED))
     handle, before = lab.page.locator(".noUi-handle").first, lab.looks(picture)
     handle.press("ArrowRight")
-    lab.page.wait_for_timeout(2000)
-    lab.command("notebook:interrupt-kernel")
-    lab.page.get_by_text("stopped").wait_for(timeout=60_000)
+    lab.interrupt_until(lab.page.get_by_text("stopped").count)
     assert lab.looks(picture) == before
     handle.press("ArrowLeft")
     handle.press("ArrowLeft")
@@ -140,15 +138,12 @@ def test_the_last_of_twenty_quick_moves_wins_and_an_interrupt_stops_a_long_call(
     lab.start_cell(1)
     lab.page.wait_for_timeout(2000)
     assert lab.cells()[1]["count"] is None  # it runs
-    lab.command("notebook:interrupt-kernel")
-    lab.wait_for(lambda: lab.cells()[1]["count"], 20)
+    lab.interrupt_until(lambda: lab.cells()[1]["count"])
     assert lab.cells()[1]["name"] == "KeyboardInterrupt"
     lab.start_cell(2)
     lab.wait_for(lambda: lab.cells()[2]["count"], 20)
     bench.get_by_role("button", name="ant").click()  # a reconstruction, which takes seconds
     bench.get_by_text("working").wait_for()
-    lab.page.wait_for_timeout(1000)  # the kernel ignores interrupts until the work has begun
-    lab.command("notebook:interrupt-kernel")
-    bench.get_by_text("stopped").wait_for(timeout=60_000)
+    lab.interrupt_until(bench.get_by_text("stopped").count)
     lab.screenshot("workbench")
     assert lab.complaints == []
