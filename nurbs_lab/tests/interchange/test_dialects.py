@@ -100,6 +100,21 @@ def test_weights_far_apart_hide_nothing_between_the_probes(dialect, tmp_path):
         assert one.closest_point(np.concatenate(places))[1].max() <= 1.01 * ASKED["tolerance"]
 
 
+@pytest.mark.parametrize("degree", [2, 3, 5])
+def test_chords_of_curves_that_turn_back_rest_or_hide_nearly_all_between_two_places(degree):
+    """A curve of nearly no width turns where no place need lie; where points repeat, a span has no slope."""
+    rng = np.random.default_rng(degree)
+    knots = [*[0.0] * (degree + 1), 0.3, 0.5, 0.5000001, *[1.0] * (degree + 1)]
+    for thin, weights in itertools.product((1e-9, 1.0), (None, 10 ** rng.uniform(-3, 3, degree + 4))):
+        points = 10 * rng.normal(size=(degree + 4, 2)) * [1.0, thin]
+        points[:2] = points[0]  # the slope vanishes at the start
+        one = nl.NurbsCurve(degree, knots, points, weights)
+        chords = _pieces.chord_points(one, 1e-3)
+        places = one(np.unique(np.r_[np.linspace(0, 1, 4001), 0.5 + np.linspace(-1e-6, 1e-6, 101)]))
+        off = [distances_to(place, chords[:-1], chords[1:]).min() for place in places]
+        assert max(off) <= 1e-3
+
+
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-3, 1e-5])
 def test_a_circle_takes_few_chords(tolerance):
     """Chords between points of a circle are at least as many as their largest angle allows."""
