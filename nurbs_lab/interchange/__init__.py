@@ -41,8 +41,8 @@ SMALL_MM                1000         a plate of 0.6 m in whole mm is asked  a ho
 As in LinuxCNC: CLEAR_MM, FIRST_OF_MACHINE, LOCAL, SAME, WHOLE. Limits of work, of a file or of its reader:
 LARGEST, MOST_BLOCKS, MOST_CALLS, MOST_COORDINATE, MOST_HALVINGS, MOST_PECKS, MOST_PIECES, TRIALS,
 MEMORY_BYTES, MEMORY_PER_BYTE, PATIENCE_S, PATIENCE_S_PER_MB. Rounding of written numbers, half and twice of
-which change nothing: APART_MM, FINEST_MM, JOINS_MM, KNOT_DIGITS, WEIGHT_DIGITS; nor do those of LONG, PLACES
-and PROBES. Of EIGHTHS half makes 0.4 % more chords and twice 0.1 % fewer (716 curves).
+which change nothing: APART_MM, FINEST_MM, JOINS_MM, KNOT_DIGITS, WEIGHT_DIGITS; nor do those of LONG, PROBES
+and SAMPLES. Of PARTS half makes 0.4 % more chords and twice 0.1 % fewer (716 curves).
 """
 
 import importlib

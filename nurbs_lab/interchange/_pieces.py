@@ -11,13 +11,13 @@ from nurbs_lab.common.checks import lengths
 from nurbs_lab.nurbs import NurbsCurve, refinement
 from nurbs_lab.nurbs.measure import UNEVEN
 from nurbs_lab.nurbs.refinement import halved, project
-from nurbs_lab.nurbs.spans import find_breaks
+from nurbs_lab.nurbs.spans import find_breaks, span_parameters
 
 MOST_PIECES = 1_000_000
 MOST_HALVINGS = 60
 PROBES = np.linspace(0, 1, 18)[1:-1]  # of a piece, where arcs and cubics are compared with it
-PLACES = np.arange(32) / 32  # of a span, between which the curvature is taken as even
-EIGHTHS = np.arange(8) / 8  # of a chord's piece; the hull of an eighth is too wide by 1/64 of the error
+SAMPLES = 32  # of a span, between which the curvature is taken as even
+PARTS = 8  # of a chord's piece; the hull of an eighth is too wide by 1/64 of the error
 MARGIN = 0.9  # of the tolerance, kept at the probes: errors between them are larger by less
 
 
@@ -57,8 +57,7 @@ def chord_points(curve, tolerance):
     points are spread as the root of a asks for. Each eighth of a piece lies in the convex hull of its control
     points, so a chord is halved until they are all within the tolerance of it.
     """
-    breaks = find_breaks(curve.knots, curve.degree)
-    dense = np.append((breaks[:-1, None] + np.diff(breaks)[:, None] * PLACES).ravel(), breaks[-1])
+    dense = span_parameters(curve.knots, curve.degree, SAMPLES)
     first, second = np.moveaxis(curve.derivatives((dense[1:] + dense[:-1]) / 2, 2), 1, 0)[1:]
     unit = first / np.maximum(lengths(first), 1e-300)[:, None]
     across = lengths(second - (second * unit).sum(axis=1, keepdims=True) * unit)
@@ -71,10 +70,10 @@ def chord_points(curve, tolerance):
     u = np.unique(np.r_[np.interp(u, along, dense), corners])
     while True:
         points, steps = curve(u), np.diff(u)
-        ends = np.unique(np.r_[(u[:-1, None] + steps[:, None] * EIGHTHS).ravel(), breaks])
+        ends = np.unique(np.r_[span_parameters(u, 0, PARTS), dense[::SAMPLES]])  # knots too
         rows = project(refinement.bezier_rows(curve.degree, curve.knots, curve.homogeneous, ends))
-        of = np.searchsorted(u, ends[:-1], side="right") - 1
-        inner, chord = rows - points[of, None], np.diff(points, axis=0)[of, None]
+        owner = np.searchsorted(u, ends[:-1], side="right") - 1
+        inner, chord = rows - points[owner, None], np.diff(points, axis=0)[owner, None]
         part = (inner * chord).sum(-1) / np.maximum((chord**2).sum(-1), 1e-300)
         away = lengths(inner - np.clip(part, 0, 1)[..., None] * chord).max(axis=1)
         away = np.maximum.reduceat(away, np.searchsorted(ends, u[:-1]))
