@@ -37,7 +37,8 @@ def chord_excesses(path, limits, profile):
     if not _has_chords(limits, profile):
         return []
     count = 1 + int(np.ceil(profile.duration / limits.period_s - 1e-9))
-    periods = profile.displacement(np.linspace(0.0, profile.duration, max(count, 2)))
+    times = limits.period_s * np.arange(max(count, 2))  # in a slow copy all chords are shorter
+    periods = profile.displacement(np.minimum(times, profile.duration))
     rows = [_at_chords(*place, limits, periods) for place in zip(path.tracks, path.origins, strict=True)]
     return [row for row in rows if len(row[3])]
 

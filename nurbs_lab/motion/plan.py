@@ -9,7 +9,7 @@ from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.motion._verify import BY_SPEED, chord_excesses, excesses, worst
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
-from nurbs_lab.motion.scan import scan
+from nurbs_lab.motion.scan import SHARPEST, scan
 from nurbs_lab.motion.scurve import WHOLE, s_curve
 from nurbs_lab.motion.trapezoid import Trapezoid, fastest
 
@@ -158,10 +158,10 @@ def _tightened(path, found, times):
 
     Within a cell a limit may be exceeded by much less than what its ends leave of it.
     """
-    parts = path.parts.copy()
+    parts, hidden = path.parts.copy(), SHARPEST * path.length  # rounding takes samples so near for one place
     for name, start, stop, factors in found:
-        first = np.maximum(np.searchsorted(path.lengths, start) - 1, 0)
-        last = np.searchsorted(path.lengths, stop) + 1
+        first = np.maximum(np.searchsorted(path.lengths, start - hidden) - 1, 0)
+        last = np.searchsorted(path.lengths, stop + hidden) + 1
         for k in np.flatnonzero(factors > 1.0):
             near = slice(first[k], last[k])
             for column, power in _LOWERED[name]:

@@ -219,6 +219,18 @@ def test_limits_hold_next_to_a_knot_where_the_curvature_jumps():
         assert (speeds**2 * curve.curvature(u)).max() <= 0.01 * (1.0 + 1e-7)
 
 
+def test_a_turn_sharper_than_rounding_of_the_length_is_a_stop():
+    """A cut of a roughing program goes to and fro on a line; the time is that of two lines."""
+    x = [13.5, 17.607480620915418, 21.784992359463867, 26.2898329134252]
+    x += [25.583407870019276, 21.33297494541409, 17.250244156140457, 13.5]
+    y = 12.5 + 1e-15 * np.array([0, -59, 71, -28, 4, 9, -14, 0])
+    z = 8.300003 + 1e-15 * np.array([0, 11, 0, -2, -16, 52, -44, 0])
+    knots = [0, 0, 0, 0, 12.25, 12.75, 13.25, 14.25, 25.5, 25.5, 25.5, 25.5]
+    curve = nl.NurbsCurve(3, knots, np.column_stack([x, y, z]))
+    feed = nl.plan_feed(curve, speed=50.0, acceleration=1000.0, period_s=5e-4)
+    assert 0.0 <= feed.duration - (curve.length() / 50.0 + 2 * 0.05) < 1e-3
+
+
 @pytest.mark.parametrize("speed", [0.1, 5.0, 20.0])
 @pytest.mark.parametrize("seed", range(5))
 def test_ends_that_move_are_planned_on_any_smooth_curve(seed, speed):

@@ -7,6 +7,10 @@ import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.motion import plan_program, plan_windows
+from nurbs_lab.motion.plan import fastest_profile
+from nurbs_lab.motion.prepared_curve import prepare
+from nurbs_lab.motion.scan import scan
+from nurbs_lab.motion.scurve import WHOLE
 
 LIMITS = {"speed": 100.0, "acceleration": 2000.0, "chord_error": 1e-3, "period_s": 1e-3}
 LIMITS |= {"axis_acceleration": 1500.0}
@@ -139,6 +143,20 @@ def test_each_curve_may_have_a_speed_of_its_own(jerk, corners):
         plan_program(lines, speeds=[*speeds[:1], np.nan, *speeds[2:]], **limits)
     with pytest.raises(ValueError, match=r"curves\[3\] has 2 coordinates, those before have 3"):
         plan_program([*lines[:3], lines[3].transform(np.eye(2, 3))], **limits)
+
+
+@pytest.mark.parametrize("seed", [5000, 5027, 5039])
+def test_a_window_may_keep_a_chord_error_by_being_slower(seed):
+    """A slow copy was measured at the same points, and refused; more curves follow, so no end is known."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(5, 12))
+    knots = [0] * 4 + [*range(1, count - 3)] + [count - 3] * 4
+    curve = nl.NurbsCurve(3, knots, np.cumsum(rng.normal(size=(count, 2)), axis=0) * 3.0)
+    error, period = float(rng.choice([1e-4, 1e-3, 1e-2])), float(rng.choice([4e-3, 1e-2, 2e-2]))
+    limits = nl.Limits(speed=100.0, acceleration=2000.0, chord_error=error, period_s=period)
+    path = scan(prepare(curve), limits)
+    window = fastest_profile(path, limits, np.zeros(2), WHOLE, gone=None)
+    assert window.duration < nl.plan_feed(curve, limits).duration + period
 
 
 def test_a_program_is_read_only_as_far_as_it_is_planned():
