@@ -62,6 +62,11 @@ class Claim(NamedTuple):
         """Name of its entry in notebook B, for links: 'Eq-17'."""
         return re.sub(r"\W+", "-", self.item).strip("-")
 
+    @property
+    def condition(self):
+        """The kind and the words of its condition: ('a range', 'i is 1 or 2'); both empty without one."""
+        return _parts(self.reading)[:2]
+
 
 KINDS = ("equation", "figure", "table", "module", "parameter", "claim")
 #: What can be said of an item; notebook B defines each.
@@ -109,13 +114,18 @@ def audit(section):
     return "\n\n".join(map(_entry, (claim for claim in claims() if claim.section == section)))
 
 
+def _parts(reading):
+    """Kind of the condition, its words, and what follows."""
+    return re.match(r"(?:Condition, (.+?): (.+?)(?<!Eq)\. )?(.*)", reading).groups("")
+
+
 def _entry(claim):
-    condition, reading = re.match(r"(?:Condition(, .+?)(?<!Eq)\. )?(.*)", claim.reading).groups("")
+    kind, words, reading = _parts(claim.reading)
     # The links are HTML, as Sphinx follows no others here.
     number = f'**{claim.number}** (cell <a href="#{claim.check}">{claim.check}</a>)'
     told = reading.replace("{number}", number)
     file = f'Notebook <a href="{claim.notebook}.ipynb">{claim.notebook[:2]}</a>, `{claim.module}`.'
     # An equation is a paragraph of its own: Sphinx takes words in brackets behind it for its label.
     quote = "\n>\n> ".join(filter(None, re.split(r"\s*(\$\$.+?\$\$)\s*", claim.quote)))
-    said = f"<summary><b>{claim.item}</b> · <i>{claim.verdict}</i>{condition}</summary>"
+    said = f"<summary><b>{claim.item}</b> · <i>{claim.verdict}</i>{kind and f', {kind}: {words}'}</summary>"
     return f'<details id="{claim.place}">{said}\n\n> {quote}\n\n{told}\n\n{file}\n\n</details>'
