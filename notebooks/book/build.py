@@ -54,7 +54,8 @@ def figure(output, name, static) -> str | None:
         place = f'data-frames="_static/{name}-frame-"'
         explored = re.match(r"Explorer: (\w+) from", data["text/plain"])
         named = label(explored[1]) if explored else "Frame"
-        slider = f'<label>{named} <input type="range" min="1" max="{last}" value="{last}"></label>'
+        first = 1 if explored else last  # a slider begins with the question, a film stops at its end
+        slider = f'<label>{named} <input type="range" min="1" max="{last}" value="{first}"></label>'
         return f'<figure class="stored moving" {place}>{picture}{slider}{PLAY}</figure>'
     if dragging.MIME in data:
         return dragging.page(data[dragging.MIME], name, picture=picture)
