@@ -9,7 +9,7 @@ from cocotb.triggers import ClockCycles, RisingEdge
 from cocotb.utils import get_sim_time
 
 from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, drive, met, reset, simulate
-from nurbs_lab.hardware.feed_override import FeedOverride, Limits
+from nurbs_lab.hardware.feed_override import FeedOverride, OverrideLimits
 
 #: Most cycles from sampling the rate to the distance.
 LONGEST = 1215
@@ -85,10 +85,10 @@ def feeds(rng, width):
     ramp = np.append(np.arange(1, 8) / 8, np.ones(6))
     even = [int(top * x) for x in [*ramp, *ramp[::-1]]]
     most = (1 << width) - 1  # as `override_limits` loads it
-    yield even, Limits(top // 6, top // 25, -even[0], 0)
-    yield even[2:], Limits(top // 8, most, even[1], 0)
-    yield rng.integers(0, top, 20).tolist(), Limits(top // 3, top // 40, 0, 0)
-    yield [0, 0, *even[:5], 0, 5], Limits(most, most, 0, 0)
+    yield even, OverrideLimits(top // 6, top // 25, -even[0], 0)
+    yield even[2:], OverrideLimits(top // 8, most, even[1], 0)
+    yield rng.integers(0, top, 20).tolist(), OverrideLimits(top // 3, top // 40, 0, 0)
+    yield [0, 0, *even[:5], 0, 5], OverrideLimits(most, most, 0, 0)
 
 
 @cocotb.test(**WATCHDOG)

@@ -6,6 +6,7 @@ Dask, and ``MPIPoolExecutor`` of mpi4py fit it. Nothing here starts a worker.
 
 import inspect
 import pickle
+import re
 import sys
 from concurrent.futures import CancelledError, Executor, ThreadPoolExecutor, as_completed
 from functools import partial, wraps
@@ -17,6 +18,10 @@ from nurbs_lab.common.progress import bar, interruptible
 from nurbs_lab.common.threads import single_thread
 
 CHUNKS = 48  # in which items are sent; notebook 12 measures what a chunk costs
+_DOCUMENTED = """
+executor : concurrent.futures.Executor, optional
+    Workers for a list; this process by default. The results are equal bit for bit.
+"""
 
 
 class WorkLost(RuntimeError):
@@ -34,7 +39,7 @@ def as_executor(executor):
 def one_or_many(*also, ndim=0, send=None):
     """Decorate a function so that its first argument may be a list, for which it returns a list of results.
 
-    The decorated function has one more argument, ``executor``, as in `map_items`.
+    The decorated function has one more argument, ``executor``, as in `map_items`; its docstring, too.
 
     Parameters
     ----------
@@ -78,6 +83,8 @@ def one_or_many(*also, ndim=0, send=None):
             return results if several else results[0]
 
         added = inspect.Parameter("executor", inspect.Parameter.KEYWORD_ONLY, default=None)
+        before_results = r"\n(?=\n(Returns|Raises)\n)"
+        call.__doc__ = re.sub(before_results, _DOCUMENTED, inspect.cleandoc(function.__doc__ or ""), count=1)
         call.__signature__ = signature.replace(
             parameters=sorted([first, *others, added], key=lambda parameter: parameter.kind)
         )

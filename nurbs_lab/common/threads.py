@@ -27,7 +27,7 @@ if hasattr(os, "register_at_fork"):
 
 
 def threads() -> int:
-    """Number of threads that a call may use: Numba's setting, or one within a chunk of `map_chunks`."""
+    """Number of threads that a call may use: Numba's setting, or one within a chunk of `map_items`."""
     return 1 if getattr(_here, "single", False) else numba.get_num_threads()
 
 

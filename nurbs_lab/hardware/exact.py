@@ -97,7 +97,7 @@ def _place(piece, name, t, bits):
 
 
 def advance(piece, t, y, ds, tf, cubic):
-    """One step of arc length ``ds``: t and y after it."""
+    """One step of arc length ``ds``: t and y after it, and what y² |C'|² lacked of 1 in its middle."""
     ef = tf - 4
     d0, d1, d2, d3, d4 = piece.metric
     p = (ds * y) >> piece.shift  # with guard bits

@@ -11,7 +11,7 @@ from numpy.polynomial import Polynomial, legendre
 from nurbs_lab.common.checks import as_count, as_kind, as_positive, as_sequence
 from nurbs_lab.hardware.arithmetic import SHIPPED, Format, round_shift
 from nurbs_lab.hardware.feed import RECORDS, distances, feed_records
-from nurbs_lab.hardware.feed_override import Limits, override_limits
+from nurbs_lab.hardware.feed_override import OverrideLimits, override_limits
 from nurbs_lab.hardware.stepper import limit_writes, loaded_limits
 from nurbs_lab.motion import FeedProfile
 from nurbs_lab.motion.feed import MOST_SAMPLES
@@ -69,7 +69,7 @@ class ExactProgram:
     #: The last point.
     end: tuple
     #: Of the feed override.
-    override: Limits
+    override: OverrideLimits
     largest_step: int
     axis_limits: tuple
     period_s: float

@@ -40,7 +40,7 @@ from nurbs_lab.motion.override import jerk_of
 LONGEST, ON_THE_WAY = 1.05, 8
 
 
-class Limits(NamedTuple):
+class OverrideLimits(NamedTuple):
     """What ``feed_override`` is loaded with; a distance is in units of the feed's table."""
 
     #: A T², the largest change of a period's distance from one period to the next.
@@ -53,7 +53,7 @@ class Limits(NamedTuple):
     reserve: int
 
 
-def override_limits(feed, period_s, unit, first, second, word) -> Limits:
+def override_limits(feed, period_s, unit, first, second, word) -> OverrideLimits:
     """The limits of a feed whose first periods move ``first`` and ``second``; ``unit`` is that of 1 mm."""
     most = 1 << word + Format.ramp_guard
     alpha, beta = most - 1, most // 2 - 1
@@ -66,7 +66,7 @@ def override_limits(feed, period_s, unit, first, second, word) -> Limits:
         beta = min(round(jerk), beta)
         stop += 2.0 * min(alpha, sqrt(peak * beta)) / beta
     prior = -first if feed.speed(0.0) == 0.0 else max(2 * first - second, 0)
-    return Limits(alpha, beta, prior, ceil(LONGEST * stop) + ON_THE_WAY)
+    return OverrideLimits(alpha, beta, prior, ceil(LONGEST * stop) + ON_THE_WAY)
 
 
 class FeedOverride:
@@ -98,7 +98,7 @@ class FeedOverride:
         """Whether the feed has ended."""
         return self.number == self.count
 
-    def times(self, value, factor):
+    def scaled(self, value, factor):
         """The product with a fraction of 32 bits, rounded down."""
         return value * (factor >> self.dropped) >> 32
 
@@ -106,7 +106,7 @@ class FeedOverride:
         """Four times the speed at the start of a period of the feed, and half of its gain until tau."""
         four = 4 * self.moves[number]
         gain = min(max(self.moves[number + 1] - self.moves[number - 1], -four), four)
-        return four - gain, self.times(gain, tau)
+        return four - gain, self.scaled(gain, tau)
 
     def speed(self, number, tau):
         """Speed of the feed, as the distance of a period."""
@@ -132,11 +132,11 @@ class FeedOverride:
         self.tau = tau
         if not self.arrived:
             start, gained = self.terms(self.number, tau)
-            self.given = self.times(start + gained, tau) >> 2
+            self.given = self.scaled(start + gained, tau) >> 2
         return moved + self.given
 
     def follow(self, goal):
-        """The rate after the period, by steps 1 to 3; the names are those of this module's docstring.
+        """The rate after the period, by steps 1 to 3: g, q, x, s, o are ``gap, closing, step, sign, goal``.
 
         ``before`` holds V-, W- and W, or a negative number for W if the rate arrived.
         """
@@ -145,30 +145,30 @@ class FeedOverride:
         if self.before is None and self.number == 0:
             if prior < 0:
                 self.rate = goal
-            self.before = [v, self.times(v, self.rate), -1]
+            self.before = [v, self.scaled(v, self.rate), -1]
         elif self.before is None:
             self.before = [*[self.speed(self.number - 1, 0)] * 2, -1]
         ahead = self.tau + self.rate
         passes = ahead >= self.one
         v_ahead = self.speed(self.number + passes, ahead - passes * self.one)
-        before, times = self.before, self.times
-        w = before[2] if before[2] >= 0 else times(v, self.rate)
-        wanted = times(v, goal)
-        raised = times(v_ahead, goal) - wanted
+        before, scaled = self.before, self.scaled
+        w = before[2] if before[2] >= 0 else scaled(v, self.rate)
+        wanted = scaled(v, goal)
+        raised = scaled(v_ahead, goal) - wanted
         sign = 1 if goal >= self.rate else -1
         gap = sign * (wanted - w)
-        closing = sign * (w - before[1] - wanted + times(before[0], goal))
+        closing = sign * (w - before[1] - wanted + scaled(before[0], goal))
         self.before = [v, w, -1]
         step = min(closing + beta, gap)
         if step >= 22 * beta:
-            tangent = times(gap - 2 * beta, self.ratio(beta, step)) + times(step - beta, self.ratio(1, 2))
+            tangent = scaled(gap - 2 * beta, self.ratio(beta, step)) + scaled(step - beta, self.ratio(1, 2))
             step = min(step, tangent)
         elif min(gap, 12 * step) > beta:
             level = total = beta
             while total < min(gap, 12 * step):
                 level += beta
                 total += level
-            step = min(step, level - times(total - gap, self.ratio(beta, level)))
+            step = min(step, level - scaled(total - gap, self.ratio(beta, level)))
         step = min(max(step, closing - beta), alpha - sign * raised)
         if step == gap or v_ahead == 0:
             return goal

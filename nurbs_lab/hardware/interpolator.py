@@ -150,10 +150,10 @@ def _run(job, *, slope="quotient", format: Format = SHIPPED):
     details = {"cycles": np.diff(run.clocks, prepend=0)[:-1], "total_cycles": run.cycles}
     steps = len(run.u) - 1  # the first three after the start take six more points, by Runge-Kutta
     evaluations = (steps + 1, steps) if slope == "exact" else (steps + 6 * min(steps, STARTED) - 5, 0)
-    return steps_of(program, job.curve, run, evaluations, details)
+    return steps_of_run(program, job.curve, run, evaluations, details)
 
 
-def steps_of(program, curve, run, evaluations, details):
+def steps_of_run(program, curve, run, evaluations, details):
     """What a run of a program did along its curve."""
     u = program.from_positions(run.u)
     points = np.ldexp(np.array(run.points, float), -program.point_fraction)[:, : curve.dim]
@@ -195,7 +195,7 @@ def _run_board(job, *, port="", steps_per_mm=400.0):
     with load_host().Machine(port, steps_per_mm=steps_per_mm) as machine:
         *_, status = machine.run(program, job.period_s)
     run = run_exact(program)
-    return steps_of(program, curve, run, (len(run.u), len(run.u) - 1), {"steps": status.steps})
+    return steps_of_run(program, curve, run, (len(run.u), len(run.u) - 1), {"steps": status.steps})
 
 
 register(

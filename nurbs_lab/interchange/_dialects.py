@@ -48,7 +48,7 @@ class G1:
 
     def __init__(self, units, axes, tolerance, setup=None):
         self.axes, self.tolerance, self.unit_word = axes, tolerance, self.unit_words[units == "inch"]
-        self.setup, self.scale, self.digits = setup, UNITS[units], 7 if units == "mm" else 9
+        self.setup, self.unit_mm, self.digits = setup, UNITS[units], 7 if units == "mm" else 9
         if setup:
             self.digits = setup.digits if units == "mm" else setup.digits + 1
         self.position = self.feed = self.plane = None
@@ -68,7 +68,7 @@ class G1:
         yield f"{self.reset} G{self.offsets[setup.offset - 54]}"
         yield f"T{setup.tool} M6"
         yield f"S{number(setup.spindle_rpm, 3)} M{3 if setup.clockwise else 4}"
-        high = f"Z{number(setup.safe_z_mm / self.scale, self.digits)}"
+        high = f"Z{number(setup.safe_z_mm / self.unit_mm, self.digits)}"
         yield f"G0 {self.length_word.format(setup.tool)}{high}"
         yield from COOLANTS[setup.coolant]
 
@@ -115,11 +115,11 @@ class G1:
     def curve(self, curve, feed):
         yield from self.straight(_pieces.chord_points(curve, self.tolerance), feed)
 
-    def cubics(self, curve, **limits):
+    def cubics(self, curve, most=np.inf):
         """The curve as polynomial cubic pieces within the tolerance, ``(m, 4, dim)``."""
         if curve.degree < 3:
             curve = curve.elevate_degree(3 - curve.degree)
-        return _pieces.cubic_rows(_pieces.bezier_rows(curve), self.tolerance, **limits)
+        return _pieces.cubic_rows(_pieces.bezier_rows(curve), self.tolerance, most)
 
 
 class Round(G1):
@@ -133,7 +133,7 @@ class Round(G1):
         kept = len(rows) == 1 and self.exact(curve) and not curve.rational  # as short as an arc, and exact
         for columns in () if kept else self.planes():
             arc = circle_through(points, columns, within)
-            if arc is not None and lengths(arc[0] - points[0, columns]) > LEAST_RADIUS_MM / self.scale:
+            if arc is not None and lengths(arc[0] - points[0, columns]) > LEAST_RADIUS_MM / self.unit_mm:
                 yield from self.straight(points[:1], feed)
                 return (yield from self.turns(points[-1], *arc, columns, feed))
         return (yield from self.others(curve, rows, feed))
@@ -185,7 +185,7 @@ class Arcs(Round):
         flat = np.ptp(project(rows).reshape(-1, curve.dim), axis=0) < 10.0**-self.digits
         for columns in self.planes():
             if all(flat[i] for i in range(curve.dim) if i not in columns):
-                least, plane = LEAST_RADIUS_MM / self.scale, rows[..., [*columns, -1]]
+                least, plane = LEAST_RADIUS_MM / self.unit_mm, rows[..., [*columns, -1]]
                 ends, centres = _pieces.biarcs(plane, self.tolerance, least)
                 return (yield from self._in_plane(rows, columns, ends, centres, feed))
         return (yield from G1.curve(self, curve, feed))
@@ -304,7 +304,7 @@ class Heidenhain(Round):
         yield f"BEGIN PGM {self.name} {self.unit_word}"
         yield self.comment.format(title)
         if setup := self.setup:
-            high = _signed(setup.safe_z_mm / self.scale, self.digits)
+            high = _signed(setup.safe_z_mm / self.unit_mm, self.digits)
             yield f"TOOL CALL {setup.tool} Z S{number(setup.spindle_rpm, 3)}"
             yield f"L Z{high} R0 FMAX M{3 if setup.clockwise else 4}"
             yield from COOLANTS[setup.coolant]

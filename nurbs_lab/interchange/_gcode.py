@@ -116,10 +116,10 @@ def _strokes(parts, feed):
 
 def _program(strokes, dialect, tolerance, units, axes, setup):
     dialect = "g1" if dialect is None else as_choice("dialect", dialect, tuple(DIALECTS))
-    kind, dim = DIALECTS[dialect], _dimension(strokes)
+    Dialect, dim = DIALECTS[dialect], _dimension(strokes)
     if tolerance is not None and as_positive("tolerance", tolerance) < FINEST_MM:
         raise ValueError(f"tolerance must be at least the last digit, {FINEST_MM:g} mm, got {tolerance:g}")
-    trial = kind("mm", "XYZ"[:dim], tolerance)
+    trial = Dialect("mm", "XYZ"[:dim], tolerance)
     approximate = any(curve.degree > 1 and not trial.exact(curve) for _, curve, *_ in strokes)
     unfed = any(kind != "rapid" and feed is None for kind, _, feed, _ in strokes)
     asked = {"feed": not unfed or None, "tolerance": tolerance if approximate else 0.0}
@@ -128,22 +128,22 @@ def _program(strokes, dialect, tolerance, units, axes, setup):
         raise ValueError(f"{', '.join(missing)} must be given for dialect {dialect!r}, as in {EXAMPLE}")
     if not isinstance(axes, str) or len(axes) != dim or len(set(axes) & set("XYZUVWABC")) != dim:
         raise ValueError(f"axes must be {dim} different letters of XYZUVWABC, got {shown(axes)}")
-    scale = 1 / UNITS[units := as_choice("units", short_unit(units), ("mm", "inch"))]
+    units = as_choice("units", short_unit(units), ("mm", "inch"))
     if setup is not None:
         _require_setup(setup, strokes, axes, dialect)
-    post = kind(units, axes, None if tolerance is None else tolerance * scale, setup)
+    post = Dialect(units, axes, None if tolerance is None else tolerance / UNITS[units], setup)
     if setup and tolerance is not None:
         rounding = 0.5 * dim**0.5 * 10.0**-post.digits
         if rounding > 0.5 * post.tolerance:
             raise ValueError(
-                f"setup: digits = {setup.digits} rounds {units} by up to {rounding / scale:.2g} mm, more "
-                f"than half of tolerance = {tolerance:g} mm; give more digits"
+                f"setup: digits = {setup.digits} rounds {units} by up to {rounding * post.unit_mm:.2g} mm, "
+                f"more than half of tolerance = {tolerance:g} mm; give more digits"
             )
         post.tolerance -= rounding
     within = f" within {tolerance:g} mm" if approximate else ""
     moves = "" if setup else ", moves only"
     title = f"nurbs_lab, dialect {dialect}{within}, F per minute{moves}"
-    return post.numbered(_lines(post, strokes, scale, title))
+    return post.numbered(_lines(post, strokes, title))
 
 
 def _require_setup(setup, strokes, axes, dialect):
@@ -159,8 +159,9 @@ def _require_setup(setup, strokes, axes, dialect):
         raise ValueError("setup: a program of Fanuc needs its number; give number=")
 
 
-def _lines(post, strokes, scale, title):
+def _lines(post, strokes, title):
     yield from post.begin(title)
+    scale = 1 / post.unit_mm
     _, curve, feed, _ = strokes[0]
     *above, first = _from_above(post, curve(curve.domain[:1]) * scale)
     yield from post.rapid(np.array(above or [first]))
@@ -182,7 +183,7 @@ def _from_above(post, point):
     if post.setup is None:
         return point
     above = point.copy()
-    above[:, post.axes.index("Z")] = post.setup.safe_z_mm / post.scale
+    above[:, post.axes.index("Z")] = post.setup.safe_z_mm / post.unit_mm
     return np.concatenate([above, point])
 
 

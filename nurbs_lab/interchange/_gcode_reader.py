@@ -74,7 +74,7 @@ class _Interpreter(Commands):
         self.offsets, self.set_offsets = defaultdict(lambda: [0.0] * 3), set()
         self.system, self.systems, self.shift, self.last_shift = 0, {0: "G54"}, [0.0] * 3, [0.0] * 3
         self.spline, self.codes, self.owned = None, set(), set()  # the letters that M words have taken
-        self.kinds, self.starts, self.ends, self.feeds, self.places = (array(c) for c in "bdddq")
+        self.kinds, self.starts, self.ends, self.feeds, self.line_numbers = (array(c) for c in "bdddq")
         self.curves, self.left_out, self.open_start, self.loose = {}, Counter(), [], []
 
     def run(self, data):
@@ -95,7 +95,7 @@ class _Interpreter(Commands):
         if not any(line.strip("% /") for line in lines):
             raise ValueError("it holds no block")
         starts, ends = (np.array(points).reshape(-1, 3) for points in (self.starts, self.ends))
-        return MoveTable(self.kinds, starts, ends, self.feeds, self.places, self.curves)
+        return MoveTable(self.kinds, starts, ends, self.feeds, self.line_numbers, self.curves)
 
     def said(self):
         """What a person has to know about the moves."""
@@ -308,7 +308,7 @@ class _Interpreter(Commands):
         self.starts.extend(start)
         self.ends.extend(end)
         self.feeds.append(feed)
-        self.places.append(self.line)
+        self.line_numbers.append(self.line)
 
     def _feed_of(self, start, end, curve):
         """The feed of a move that G95 gives by the turn, or G93 by the inverse of its minutes."""

@@ -140,7 +140,7 @@ class MoveTable(Sequence):
             return tuple(self[i] for i in range(*index.indices(len(self))))
         i = range(len(self))[index]
         ends = self.starts[i], self.ends[i]
-        curve = self.curves.get(i) or line(*ends)
+        curve = self.curves.get(i) or polyline(*ends)
         curve = arc_curve(*ends, *curve) if isinstance(curve, tuple) else curve
         kind = ("rapid", "cut")[self.kinds[i]]
         return Move(kind, curve, float(self.feeds[i]) or None, int(self.lines[i]) or None)
@@ -157,11 +157,11 @@ class MoveTable(Sequence):
         """Kind, curve, feed and first number of the moves; straight ones that go on are one polyline."""
         for i, end in self.runs():
             move = self[i]
-            curve = line(self.starts[i], *self.ends[i:end]) if end > i + 1 else move.curve
+            curve = polyline(self.starts[i], *self.ends[i:end]) if end > i + 1 else move.curve
             yield move.kind, curve, move.feed, i
 
 
-def line(*points):
+def polyline(*points):
     """The polyline through points as a curve of degree 1, its knots at the numbers of the points."""
     inner = np.arange(len(points), dtype=float)
     return NurbsCurve(1, np.r_[0.0, inner, inner[-1]], np.array(points))

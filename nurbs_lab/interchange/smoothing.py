@@ -11,7 +11,7 @@ import itertools
 import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_points, as_positive, lengths
-from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_curve, circle_through, line
+from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_curve, circle_through, polyline
 from nurbs_lab.interchange._pieces import MARGIN, PROBES
 from nurbs_lab.machining.program import Move, Program
 from nurbs_lab.nurbs import NurbsCurve
@@ -125,12 +125,12 @@ def _curves(points, tolerance):
     place, pieces = np.flatnonzero(kept), []
     for a, b in itertools.pairwise(breaks):
         some = points[a : b + 1]  # without a corner: a line, an arc or a spline, or as it is
-        curve = line(some[0], some[-1]) if _straight(some, tolerance) else _arc(some, tolerance)
-        curve = curve or _spline(some, tolerance) or line(*some)
+        curve = polyline(some[0], some[-1]) if _straight(some, tolerance) else _arc(some, tolerance)
+        curve = curve or _spline(some, tolerance) or polyline(*some)
         both = pieces and len(curve.control_points) == len(pieces[-1][0].control_points) == 2
         if both and _straight(points[pieces[-1][1] : b + 1], tolerance):
             a = pieces.pop()[1]
-            curve = line(points[a], points[b])
+            curve = polyline(points[a], points[b])
         pieces.append((curve, a, b))
     return [(curve, place[b] - place[a]) for curve, a, b in pieces]
 

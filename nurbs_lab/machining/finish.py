@@ -59,8 +59,6 @@ def finish(
         Largest speed while cutting, in mm/s; ways down into material have a third of it.
     machine : Limits, optional
         Limits of the motion.
-    executor : concurrent.futures.Executor, optional
-        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------

@@ -58,8 +58,6 @@ def rough(
         walls keep up to 1/120 of the diameter more, and slopes stairs, up to ``step_down`` high.
     feed, machine
         As for `finish`.
-    executor : concurrent.futures.Executor, optional
-        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------

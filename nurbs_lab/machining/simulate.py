@@ -80,8 +80,6 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
         For a list of programs, one stock or a list of as many; by default the one of the program.
     resolution : float
         Distance between nodes of the field, in mm. Sampled tips are half as far apart.
-    executor : concurrent.futures.Executor, optional
-        Workers for a list; this process by default. The results are equal bit for bit.
 
     Raises
     ------

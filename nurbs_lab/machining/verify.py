@@ -118,8 +118,6 @@ def verify(program, part, *, spacing=None) -> Verification:
     spacing : float
         Distance between samples of the part, in mm; 0.03 diameters of the cutter by default, less on small
         parts, more on large ones; a million samples take one to two seconds.
-    executor : concurrent.futures.Executor, optional
-        Workers for a list; this process by default. The results are equal bit for bit.
 
     Raises
     ------

@@ -20,8 +20,8 @@ def feed_at(feed, t, hint):
     times, terms = feed
     hint = find_span(times, t, hint)
     tau = t - times[hint]
-    velocity_ = terms[hint, 1] + tau * (2.0 * terms[hint, 2] + tau * 3.0 * terms[hint, 3])
-    return velocity_, 2.0 * terms[hint, 2] + 6.0 * tau * terms[hint, 3], 6.0 * terms[hint, 3], hint
+    v = terms[hint, 1] + tau * (2.0 * terms[hint, 2] + tau * 3.0 * terms[hint, 3])
+    return v, 2.0 * terms[hint, 2] + 6.0 * tau * terms[hint, 3], 6.0 * terms[hint, 3], hint
 
 
 @kernel
@@ -29,7 +29,6 @@ def displacement(feed, t, duration, hint):
     """Length commanded between t and t + duration, without the cancellation of s(t + duration) - s(t)."""
     times = feed[0]
     total = 0.0
-    hint = find_span(times, t, hint)
     while duration > 0.0:
         v, a, j, hint = feed_at(feed, t, hint)
         left = times[hint + 1] - t
@@ -42,11 +41,11 @@ def displacement(feed, t, duration, hint):
 
 
 @inlined
-def length_at(feed, t, hint):
-    """Length commanded until time t."""
+def length_at(feed, t, phase):
+    """Length commanded until time t, in the phase that holds t."""
     times, terms = feed
-    tau = t - times[hint]
-    return terms[hint, 0] + tau * (terms[hint, 1] + tau * (terms[hint, 2] + tau * terms[hint, 3]))
+    tau = t - times[phase]
+    return terms[phase, 0] + tau * (terms[phase, 1] + tau * (terms[phase, 2] + tau * terms[phase, 3]))
 
 
 @kernel
@@ -103,7 +102,7 @@ def commanded_lengths(feed, period, out):
 
 @kernel
 def _time_within(times, terms, i, goal):
-    """Time from the start of segment i in which a length has been travelled there.
+    """Time from the start of phase i in which a length has been travelled there.
 
     At most 100 steps of Newton's method; one that leaves the bracket is a bisection.
     """
@@ -131,7 +130,7 @@ def _time_within(times, terms, i, goal):
 @kernel
 def times_at(times, terms, lengths, out):
     """Times at which lengths, which do not fall, have been travelled."""
-    i, last = 0, terms.shape[0] - 1  # the endless segment after the end
+    i, last = 0, terms.shape[0] - 1  # the endless phase after the end
     for k in range(lengths.size):
         while i < last - 1 and lengths[k] >= terms[i + 1, 0]:
             i += 1
@@ -140,7 +139,7 @@ def times_at(times, terms, lengths, out):
 
 @kernel
 def plan_at(feed, length, hint):
-    """Speed, acceleration, jerk and time where a length has been travelled, and the segment that holds it."""
+    """Speed, acceleration, jerk and time where a length has been travelled, and the phase that holds it."""
     times, terms = feed
     while hint < terms.shape[0] - 1 and length >= terms[hint + 1, 0]:
         hint += 1
@@ -149,8 +148,8 @@ def plan_at(feed, length, hint):
     tau = 0.0
     if hint < terms.shape[0] - 1:
         tau = _time_within(times, terms, hint, length - terms[hint, 0])
-    one, two, three = terms[hint, 1], 2.0 * terms[hint, 2], 6.0 * terms[hint, 3]
-    return one + tau * (two + tau * 0.5 * three), two + tau * three, three, times[hint] + tau, hint
+    v, a, j = terms[hint, 1], 2.0 * terms[hint, 2], 6.0 * terms[hint, 3]
+    return v + tau * (a + tau * 0.5 * j), a + tau * j, j, times[hint] + tau, hint
 
 
 @kernel

@@ -152,7 +152,7 @@ def _by_ordinates(wide, joined, nodal_model, padded):
 
 @kernel
 def _between(most, x):
-    """First and second derivative by x of the barrier that keeps x between -most and most."""
+    """Derivatives of the barrier that keeps x between -most and most: by x, by -most, and twice by x."""
     room = 1.0 / ((most - x) * (most + x))  # one division: these take most of the time
     first, other = 2.0 * x * room, 2.0 * most * room
     return first, other, 0.5 * (first * first + other * other)

@@ -49,8 +49,6 @@ def plan_feed(curve, limits=None, *, period_s=None, start_speed=0.0, end_speed=0
         with ``jerk`` the motion starts and ends there without acceleration.
         Where they leave no choice but to speed up or to brake all the way, the stretching to whole periods
         lowers them, by less than the fraction that one period is of the duration.
-    executor : concurrent.futures.Executor, optional
-        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------

@@ -250,7 +250,7 @@ def _samples(track, limits, finer):
     """Spans and parameters of the samples in order, both ends of every span included."""
     turns = not (limits.soft or (limits.tangential_only and limits.axis_acceleration is None))
 
-    def sampled(span, u):
+    def limits_at(span, u):
         """One row each: the largest speed, the curvature and the unit tangent."""
         tangents, curvatures, _ = path_derivatives(track, span, u)
         *table, curvature = limits.speed_table(tangents, curvatures)
@@ -271,11 +271,11 @@ def _samples(track, limits, finer):
     if track.straight:  # the limits are the same all along a span
         found, span = [*found, (span, start)], span[:0]
     else:
-        left, between, right = (sampled(span, u) for u in (start, 0.5 * (start + stop), stop))
+        left, between, right = (limits_at(span, u) for u in (start, 0.5 * (start + stop), stop))
     halved, most = 0, int(finer) * (_MOST_CELLS[0] + _MOST_CELLS[1] * len(breaks))
     while len(span):
         middle = 0.5 * (start + stop)
-        quarter = sampled(span, 0.5 * (start + middle))  # the middle alone is blind to points of inflection
+        quarter = limits_at(span, 0.5 * (start + middle))  # the middle alone is blind to points of inflection
         poor = np.zeros(len(span), dtype=bool)
         for inner, part in ((between, 0.5), (quarter, 0.25)):
             linear = (1.0 - part) * left[:, 0] + part * right[:, 0]
@@ -291,19 +291,19 @@ def _samples(track, limits, finer):
                 f"curve needs more than {most} samples, most of them near u = {np.median(middle):.9g}, where "
                 "its curvature changes too much for its length; smooth it there or split it"
             )
-        last = sampled(span, 0.5 * (middle + stop))
+        last = limits_at(span, 0.5 * (middle + stop))
         left, between, right = map(np.concatenate, ([left, between], [quarter, last], [between, right]))
         span, start, stop = np.tile(span, 2), np.append(start, middle), np.append(middle, stop)
-    found.append(_beside_jumps(breaks, sampled))
+    found.append(_beside_jumps(breaks, limits_at))
     span, u = (np.concatenate(rows) for rows in zip(*found, strict=True))
     order = np.lexsort((u, span))
     return span[order], u[order]
 
 
-def _beside_jumps(breaks, sampled):
+def _beside_jumps(breaks, limits_at):
     """Samples close to both ends of the curve and to knots where the speed limit or the tangent jumps."""
     spans = np.arange(len(breaks) - 1)
-    before, after = sampled(spans[:-1], breaks[1:-1]), sampled(spans[1:], breaks[1:-1])
+    before, after = limits_at(spans[:-1], breaks[1:-1]), limits_at(spans[1:], breaks[1:-1])
     jump = np.abs(before - after)[:, 0] > SCAN_TOLERANCE * np.minimum(before, after)[:, 0]
     left = np.flatnonzero(jump | (np.linalg.norm(after[:, 2:] - before[:, 2:], axis=1) > EQUAL_WITHIN))
     near = _BESIDE * np.diff(breaks)

@@ -37,8 +37,6 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     **options
         Those that the stepper declares in ``STEPPERS[name].options``, such as ``trials=2`` of
         'chord-corrected'.
-    executor : concurrent.futures.Executor, optional
-        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------
@@ -135,7 +133,7 @@ def path_of(job, stepper, options):
     steps = run(stepper, job, options)
     track, feed, period_s = job.track, job.feed, job.period_s
     u, count = np.asarray(steps.u), len(steps.u) - 1
-    moved, chord, rise, commanded = (np.empty(count) for _ in range(4))
+    moved, chord, chord_error, commanded = (np.empty(count) for _ in range(4))
     span_kernels.moved_lengths(track.spans, track.panels, u, moved)
     leap = int(moved.argmax())
     early = feed.duration / period_s > 1.05 * count + 16.0  # by as much as `Job.last_step` lets it be late
@@ -145,7 +143,7 @@ def path_of(job, stepper, options):
             f"is less there than after it, and takes {count} steps for {feed.duration / period_s:.6g} "
             "periods; take one that keeps the limits of a plan, such as 'exact'"
         )
-    _kernels.chord_lengths_and_errors(track.spans, u, chord, rise)
+    _kernels.chord_lengths_and_errors(track.spans, u, chord, chord_error)
     _kernels.commanded_lengths(feed.table, period_s, commanded)
     if not feed.rests:  # the last step is commanded what was left
         commanded[-1] = moved[-1]
@@ -161,7 +159,7 @@ def path_of(job, stepper, options):
         commanded=commanded,
         moved=moved,
         chord=chord,
-        chord_error=rise,
+        chord_error=chord_error,
         lag=lag,
         evaluations_by_order=np.array(steps.evaluations),
         details=dict(steps.details),

@@ -10,7 +10,7 @@ from nurbs_lab.common.kernels import compiled, inlined, kernel
 
 
 @kernel
-def find_span(degree, knots, u):
+def find_knot_span(degree, knots, u):
     """Index i of the non-empty span with knots[i] <= u < knots[i + 1]; the last one at the end (A2.1)."""
     low = degree
     high = knots.size - degree - 1
@@ -70,7 +70,7 @@ def basis_table(degree, knots, u):
         if not knots[span] <= u[k] < knots[span + 1]:  # parameters are usually in increasing order
             span += 1
             if span > knots.size - degree - 2 or not knots[span] <= u[k] < knots[span + 1]:
-                span = find_span(degree, knots, u[k])
+                span = find_knot_span(degree, knots, u[k])
         first[k] = span - degree
         basis_functions(span, degree, knots, u[k], table[k], left, right)
     return first, table
@@ -129,7 +129,7 @@ def curve_derivatives(degree, knots, homogeneous, u, order):
     triangle = np.empty((degree + 1, degree + 1))
     lifted = np.empty((order + 1, homogeneous.shape[1]))
     for k in range(u.size):
-        span = find_span(degree, knots, u[k])
+        span = find_knot_span(degree, knots, u[k])
         basis_triangle(span, degree, knots, u[k], triangle)
         local = homogeneous[span - degree : span + 1].copy()
         spline_derivatives(span, degree, knots, triangle, local, lifted)
@@ -145,7 +145,7 @@ def curve_points(degree, knots, homogeneous, u, out):
     left = np.empty(degree + 1)
     right = np.empty(degree + 1)
     for k in range(u.size):
-        span = find_span(degree, knots, u[k])
+        span = find_knot_span(degree, knots, u[k])
         basis_functions(span, degree, knots, u[k], values, left, right)
         weight = 0.0
         for j in range(degree + 1):

@@ -7,7 +7,7 @@ The control point j of a spline over any finer knot vector T is its polar form a
 import numpy as np
 
 from nurbs_lab.common.kernels import compiled
-from nurbs_lab.nurbs._kernels import find_span
+from nurbs_lab.nurbs._kernels import find_knot_span
 
 
 @compiled
@@ -38,7 +38,7 @@ def refine(degree, knots, rows, finer):
     out = np.empty((count, rows.shape[1]))
     local = np.empty((degree + 1, rows.shape[1]))
     for j in range(count):
-        span = find_span(degree, knots, max(finer[j], knots[degree]))
+        span = find_knot_span(degree, knots, max(finer[j], knots[degree]))
         blossom(span, degree, knots, rows, finer[j + 1 : j + degree + 1], local)
         for c in range(rows.shape[1]):
             out[j, c] = local[degree, c]
@@ -54,7 +54,7 @@ def elevate(degree, knots, rows, raised):
     rest = np.empty(degree)
     for j in range(count):
         arguments = raised[j + 1 : j + degree + 2]
-        span = find_span(degree, knots, max(raised[j], knots[degree]))
+        span = find_knot_span(degree, knots, max(raised[j], knots[degree]))
         for left_out in range(degree + 1):
             for k in range(degree):
                 rest[k] = arguments[k if k < left_out else k + 1]

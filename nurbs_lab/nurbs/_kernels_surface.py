@@ -7,7 +7,7 @@ from nurbs_lab.nurbs._kernels import (
     basis_functions,
     basis_table,
     basis_triangle,
-    find_span,
+    find_knot_span,
     project,
     spline_derivatives,
 )
@@ -23,8 +23,8 @@ def surface_points(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out)
     values_v = np.empty(degree_v + 1)
     sums = np.empty(dim + 1)
     for k in range(u.size):
-        span_u = find_span(degree_u, knots_u, u[k])
-        span_v = find_span(degree_v, knots_v, v[k])
+        span_u = find_knot_span(degree_u, knots_u, u[k])
+        span_v = find_knot_span(degree_v, knots_v, v[k])
         basis_functions(span_u, degree_u, knots_u, u[k], values_u, left, right)
         basis_functions(span_v, degree_v, knots_v, v[k], values_v, left, right)
         sums[:] = 0.0
@@ -71,7 +71,7 @@ def surface_derivatives(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v,
     along_u = np.empty((order_u + 1, (degree_v + 1) * columns))
     lifted = np.empty((order_u + 1, order_v + 1, columns))
     for k in range(u.size):
-        span_u, span_v = find_span(degree_u, knots_u, u[k]), find_span(degree_v, knots_v, v[k])
+        span_u, span_v = find_knot_span(degree_u, knots_u, u[k]), find_knot_span(degree_v, knots_v, v[k])
         basis_triangle(span_u, degree_u, knots_u, u[k], triangle_u)
         basis_triangle(span_v, degree_v, knots_v, v[k], triangle_v)
         net = homogeneous[span_u - degree_u : span_u + 1, span_v - degree_v : span_v + 1].copy()

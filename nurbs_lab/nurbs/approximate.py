@@ -13,7 +13,7 @@ from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import interruptible
 from nurbs_lab.nurbs import _kernels_band, knots
 from nurbs_lab.nurbs.curve import NurbsCurve
-from nurbs_lab.nurbs.interpolate import as_path, interpolate_values
+from nurbs_lab.nurbs.interpolate import as_points_and_parameters, interpolate_values
 from nurbs_lab.nurbs.spans import find_breaks
 
 SUSPECTS = 8  # points with the largest residuals that are tested first; one of them usually rejects a fit
@@ -37,8 +37,6 @@ def approximate_curve(points, degree=3, *, tolerance, closed=False):
     closed : bool
         Periodic, with degree - 1 continuous derivatives at the seam. An open curve meets the first and the
         last point.
-    executor : concurrent.futures.Executor, optional
-        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------
@@ -63,7 +61,7 @@ def approximate_curve(points, degree=3, *, tolerance, closed=False):
     points = checks.as_points("points", points)
     tolerance = checks.as_not_negative("tolerance", tolerance)
     closed = checks.as_flag("closed", closed)
-    points, t = as_path(points, degree, "chord", closed, None)
+    points, t = as_points_and_parameters(points, degree, "chord", closed, None)
     data = degree, t, points, closed
 
     def fit(count, density):

@@ -36,8 +36,6 @@ def interpolate_curve(
         By the index of a point of an open curve, negative ones from the end, a vector of shape (dim,): the
         tangent there. A unit vector is a direction, and |C'| is that of the polyline through the points
         beside it; a vector of another length is C' itself.
-    executor : concurrent.futures.Executor, optional
-        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------
@@ -61,7 +59,7 @@ def interpolate_curve(
     closed = checks.as_flag("closed", closed)
     checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     tangents = checks.as_kind("tangents", tangents or {}, dict)
-    points, t = as_path(points, degree, parametrization, closed, parameters, len(tangents))
+    points, t = as_points_and_parameters(points, degree, parametrization, closed, parameters, len(tangents))
     uniform = parametrization == "universal" and parameters is None
     if tangents:
         solved = _with_tangents(degree, t, points, tangents, closed)
@@ -87,8 +85,6 @@ def interpolate_surface(grid, degrees=(3, 3), *, parametrization="chord", closed
         As for `interpolate_curve`; parameters of all rows are averaged, collapsed rows left out (Eq. 7).
     closed : (bool, bool)
         Smooth seams along u, along v.
-    executor : concurrent.futures.Executor, optional
-        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------
@@ -127,7 +123,7 @@ def require_met(name, degree, spline, there, points, cure="parametrization='cent
         raise ValueError(f"{name}: the spline of degree {degree} {swings}; take a lower degree, or {cure}")
 
 
-def as_path(points, degree, parametrization, closed, given, more=0):
+def as_points_and_parameters(points, degree, parametrization, closed, given, more=0):
     """The checked points of a curve and their parameters; a closed curve has one parameter more.
 
     Besides the points the curve has to meet so many ``more`` conditions.

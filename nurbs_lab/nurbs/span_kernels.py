@@ -14,7 +14,7 @@ from math import sqrt
 import numpy as np
 
 from nurbs_lab.common.kernels import ZERO, compiled, inlined, kernel
-from nurbs_lab.nurbs._kernels import find_span as find_knot_span
+from nurbs_lab.nurbs._kernels import find_knot_span
 from nurbs_lab.nurbs._kernels_shape import blossom
 
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)

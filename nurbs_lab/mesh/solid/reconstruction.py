@@ -268,8 +268,6 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
     max_faces : int, optional
         Of each shell. The best that was found within it is returned, whether or not it keeps the tolerance.
         By default 3,000 fitted faces, or as many as there are triangles: a solid with more is of no use.
-    executor : concurrent.futures.Executor, optional
-        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------

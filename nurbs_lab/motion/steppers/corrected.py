@@ -71,17 +71,14 @@ def _chord(spans, feed, period, u, counts, trials, noise, panels):
             following = last = min(following, end)
             chord = distance(point(spans, find_span(breaks, following, span), following), here)
             counts[0] += 1
-            if (
-                abs(chord - length) <= noise
-                or chord == chords[trial - 1]
-                or (following == end and chord < length)
-            ):
+            ends = following == end and chord < length  # no chord from here is longer
+            if abs(chord - length) <= noise or chord == chords[trial - 1] or ends:
                 break
             chords[trial], tried[trial] = chord, following
             following = neville(chords, tried, trial + 1, length, rows[2])
             if not following > u[step]:  # no polynomial fits the chords: in proportion to the last
                 following = u[step] + (tried[trial] - u[step]) * length / chord
-        far = abs(chord - length) > max(_FAR * length, noise) and not (following == end and chord < length)
+        far = abs(chord - length) > max(_FAR * length, noise) and not ends
         if far or abs(following - last) > _FAR * (following - u[step]):
             following, panel, count, _ = exact_step(spans, panels, (panel, span), u[step], length)
             counts[1] += count

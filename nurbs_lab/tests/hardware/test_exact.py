@@ -13,7 +13,7 @@ import nurbs_lab as nl
 from nurbs_lab.hardware import build_exact_program, run_exact, simulate_path
 from nurbs_lab.hardware.exact import advance
 from nurbs_lab.hardware.feed import distances
-from nurbs_lab.hardware.interpolator import close_load, steps_of
+from nurbs_lab.hardware.interpolator import close_load, steps_of_run
 from nurbs_lab.motion.feed import concatenate
 
 CURVE, PERIOD_S, SPEED = nl.paper.CURVE, nl.paper.PERIOD_S, nl.paper.SPEED
@@ -132,7 +132,7 @@ def test_the_parameters_of_a_path_are_those_of_its_points(weight):
     curve = nl.NurbsCurve(3, [0, 0, 0, 0, 0.25, 0.5, 0.75, 1, 1, 1, 1], points, weights)
     feed = nl.plan_feed(curve, speed=40.0, acceleration=400.0, period_s=4e-3)
     program = build_exact_program(curve, feed, 4e-3)
-    steps = steps_of(program, curve, run_exact(program), (0, 0), {})
+    steps = steps_of_run(program, curve, run_exact(program), (0, 0), {})
     nearest, away = curve.closest_point(steps.points)
     assert np.abs(steps.u - nearest).max() <= 1e-8
     assert np.abs(np.linalg.norm(curve(steps.u) - steps.points, axis=1) - away)[1:-1].max() <= 1e-12 * 60

@@ -8,7 +8,7 @@ import pytest
 import nurbs_lab as nl
 from nurbs_lab.hardware import build_exact_program, run_exact
 from nurbs_lab.hardware.arithmetic import Format
-from nurbs_lab.hardware.feed_override import ON_THE_WAY, FeedOverride, Limits, override_limits
+from nurbs_lab.hardware.feed_override import ON_THE_WAY, FeedOverride, OverrideLimits, override_limits
 from nurbs_lab.motion import apply_override
 from nurbs_lab.tests.motion.least_stop import least_periods
 
@@ -66,7 +66,7 @@ def test_ten_thousand_random_commands_at_any_limits_stop_in_the_least_time():
         move = int(2.0 ** rng.uniform(50, 61.9))
         alpha = int(move * rng.uniform(0.005, 1.5))
         beta = min(int(alpha * 10.0 ** rng.uniform(-2, 1)), (1 << 62) - 1)
-        limits = Limits(alpha, beta, move, 0)
+        limits = OverrideLimits(alpha, beta, move, 0)
         starts = np.cumsum(rng.integers(1, 50, 60)).tolist()
         rows = [*zip(starts, rng.choice([0, 0, 0, 30, 64, 200, 256], 60).tolist(), strict=True)]
         rows.append((starts[-1] + 1, 256))

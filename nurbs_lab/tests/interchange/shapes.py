@@ -6,7 +6,7 @@ import numpy as np
 
 import nurbs_lab as nl
 from benchmarks.programs import facets
-from nurbs_lab.interchange._moves import line
+from nurbs_lab.interchange._moves import polyline
 from nurbs_lab.machining.program import Move, Program
 from nurbs_lab.tests.nurbs.samples import random_knots
 
@@ -62,11 +62,11 @@ def milling():
     up, side = np.array([0, 0, 5]), np.array([0, 9, 0])
     return Program(
         (
-            Move("rapid", line(start + 2 * up, start + up), 200.0),
-            Move("plunge", line(start + up, start), 2.0),
+            Move("rapid", polyline(start + 2 * up, start + up), 200.0),
+            Move("plunge", polyline(start + up, start), 2.0),
             Move("cut", cut, 10.0),
-            Move("rapid", line(end, end + up, start + side + up), 200.0),
-            Move("plunge", line(start + side + up, start + side), 2.0),
+            Move("rapid", polyline(end, end + up, start + side + up), 200.0),
+            Move("plunge", polyline(start + side + up, start + side), 2.0),
             Move("cut", cut.transform(np.eye(3), side), 10.0),
         )
     )

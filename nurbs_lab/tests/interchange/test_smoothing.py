@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 import nurbs_lab as nl
-from nurbs_lab.interchange._moves import line
+from nurbs_lab.interchange._moves import polyline
 from nurbs_lab.machining.program import Move, Program
 from nurbs_lab.tests.interchange.shapes import milling, text_of, wave
 
@@ -108,7 +108,7 @@ def test_moves_join_exactly_wherever_a_plane_lies():
         points = flat @ frame[:2] + 0.002 * rng.normal(size=(size, 3))
         points = np.vstack([points, points[-1] + 5 * frame[2]]).round(3)
         tolerance = rng.choice([0.01, 0.05])
-        program = Program([Move("cut", line(a, b), 10.0) for a, b in itertools.pairwise(points)])
+        program = Program([Move("cut", polyline(a, b), 10.0) for a, b in itertools.pairwise(points)])
         curves = [move.curve for move in nl.smooth(program, tolerance=tolerance).moves]
         ends = np.array([curve(curve.domain) for curve in curves])
         np.testing.assert_array_equal(ends[1:, 0], ends[:-1, 1])
@@ -160,8 +160,8 @@ def test_a_program_keeps_what_is_no_facet(tmp_path):
 
 def test_a_program_made_by_hand_is_smoothed_too():
     points = wave(200)
-    moves = [Move("rapid", line(points[0] + (0, 0, 5), points[0]), 100.0)]
-    moves += [Move("cut", line(a, b), 20.0) for a, b in itertools.pairwise(points)]
+    moves = [Move("rapid", polyline(points[0] + (0, 0, 5), points[0]), 100.0)]
+    moves += [Move("cut", polyline(a, b), 20.0) for a, b in itertools.pairwise(points)]
     smooth = nl.smooth(Program(tuple(moves)), tolerance=0.01)
     assert len(smooth.moves) == 2
     for name in ("kind", "curve", "feed", "line"):

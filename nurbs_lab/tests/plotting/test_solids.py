@@ -14,7 +14,7 @@ from matplotlib import colormaps
 from PIL import Image
 
 import nurbs_lab as nl
-from nurbs_lab.interchange._moves import line
+from nurbs_lab.interchange._moves import polyline
 from nurbs_lab.machining.program import Move
 from nurbs_lab.mesh.distance import Deviation
 from nurbs_lab.plotting.orbit import LEVELS, packed
@@ -36,7 +36,10 @@ def ink(picture):
 
 def draw(name, pipe, sheet):
     layers, plot = nl.slice_mesh(pipe, np.linspace(-2.5, 2.5, 6)), nl.plotting
-    moves = [Move("rapid", line((0, 0, 20), (0, 0, 9)), None), Move("cut", line((0, 0, 9), (9, 0, 9)), 5.0)]
+    moves = [
+        Move("rapid", polyline((0, 0, 20), (0, 0, 9)), None),
+        Move("cut", polyline((0, 0, 9), (9, 0, 9)), 5.0),
+    ]
     program = nl.machining.Program(tuple(moves), nl.Cutter("ball", diameter=4.0))
     return {
         "cloud": lambda: plot.cloud(pipe.sample(3000, seed=0), title="points"),
@@ -89,7 +92,7 @@ def test_a_deviation_has_exactly_the_colour_of_its_number_in_the_bar(lowest, swa
 
 def test_reached_places_are_blue_and_those_below_grey():
     block = trimesh.creation.box(extents=(10, 10, 4))
-    moves = (Move("cut", line((-5, 0, 2), (5, 0, 2)), 5.0),)
+    moves = (Move("cut", polyline((-5, 0, 2), (5, 0, 2)), 5.0),)
     program = nl.machining.Program(moves, nl.Cutter("ball", diameter=4.0, length=20.0))
     picture = pixels(nl.plotting.reached(nl.verify(program, block), block))
     blue = picture[..., 2] - picture[..., 0] > 40
