@@ -22,7 +22,6 @@ SPLIT (passes), degrees                  45       30: +1, +42    60: +11, -41
 CLIFF (passes), degrees                  75       60: -6, +3     85: +14, -30
 RISE (passes), tolerances                0.45     +1, -5 *       0, +1 *
 GAP (passes), diameters                  1        -1, +8         +1, -7; also between lowest places of walls
-GRID (passes), nodes a diameter          24       0, -39         0, 0
 WIDTH (passes), step-overs               0.5      -12, -40       +3, -38
 JOIN (passes), step-overs                2        -2, -6         -3, -7; 0, -8 *; also of heights beside a way
 SUBDIVISIONS (passes), of a way          8        0, 0           0, 0; at 2 0.5 % of a narrow gap is left
@@ -42,6 +41,7 @@ CLOSEST (waterlines), of a step          0.5      -1, -1         +2, +4
 STUB (waterlines), of CLOSEST            0.1      0, 0           0, +1 *; at 0 0, -1 *
 VALLEY (surface), steps of the grid      1        +11, +10 *     +5, +14 *
 CELLS (stock), cells a diameter          24       0, +4 of rough 0, 0; of rough 1.6 x the time, at half 0.9 x
+  of the grid of passes                           0, -39         0, 0
 LEAF (box_tree), items                   4        of verify, the time is 0.98 x at 8, 0.94 x at 16 *
 FLAT_STEP (rough), diameters             0.4      +83, +40       -29, -29; BALL_STEP, 0.25, is that of balls
 TILT (rough), degrees                    1        0, 0           0, 0; at 5 for a ball 14 levels, not 11 **

@@ -107,8 +107,10 @@ def finish(
     stock = as_stock(after.stock if after is not None and stock is None else stock, part)
     require_inside(part, stock, cutter)
     material = material_of(stock, cutter, after)
-    left = {name: freeze(getattr(material.field, name).copy()) for name in ("origin", "z")}
-    begun = stock if after is None else replace(material.field, **left)
+    begun = stock
+    if after is not None:  # the plan cuts the material
+        field = {name: freeze(getattr(material.field, name).copy()) for name in ("origin", "z")}
+        begun = replace(material.field, **field)
     fitting = Fitting(part, cutter, tolerance)
     closer = replace(fitting, tolerance=max(CLOSER * tolerance, least))
     bare = closer.touch(0.25)  # a margin, as links are checked at points only
@@ -130,7 +132,7 @@ def covering(fitting, closer, plan, scallop, stock, after, material):
     tip beside a jump, such as a wall, may be one that it cannot take. A warning says where more is left.
     """
     part, cutter = fitting.part, fitting.cutter
-    spacing = max(SAMPLES * plan.step, FINEST_SAMPLES * cutter.diameter)
+    spacing = max(SAMPLES * plan.step_over, FINEST_SAMPLES * cutter.diameter)
     samples = sample_surface(part, spacing)
     field = deepened(plan.field, plan.touch, samples)
     plan = replace(plan, field=field, slope=field.slope)

@@ -13,6 +13,7 @@ from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField, tip_field
 from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.part import SINGLE
+from nurbs_lab.machining.stock import CELLS
 from nurbs_lab.machining.waterlines import runs, waterlines
 
 SPLIT = np.radians(45.0)  # slope between raster (below) and waterlines (above)
@@ -20,7 +21,6 @@ CLIFF = np.radians(75.0)  # the raster leaves out steeper slopes
 RISE = 0.45  # tolerances: of waterlines from contact with level faces, and from lower ones left out for them
 GAP = 1.0  # diameters: shorter gaps in a waterline are cut too, so that the tool stays down
 LEVEL_STEP = 1.2  # radii of the flat disc: distance of passes over level faces
-GRID = 24  # nodes of the grid along a diameter, at most
 WIDTH = 0.5  # step-overs: distance of its nodes
 NEAR = 0.25  # step-overs: a waterline farther from the part is dropped, a tip farther from it is not at rest
 JOIN = 2.0  # step-overs: farther apart, two of them are on two passes
@@ -60,7 +60,7 @@ class Layout:
     cutter: Cutter
     field: TipField
     slope: np.ndarray
-    step: float
+    step_over: float
 
     def with_steps(self, tips, normals):
         """This layout with the slope of the part at its ``tips (n, 3)`` where the grid hides it.
@@ -83,9 +83,9 @@ class Layout:
         wanted = near[0] < np.inf
         paths = self._waterlines(wanted & (slope > SPLIT), self._levels(), (near, self._near(spared)))
         disc, far = self.cutter.flat_radius, LEVEL_STEP * self.cutter.flat_radius
-        level = (slope <= SINGLE) & (far > self.step)  # the disc covers what is between passes
+        level = (slope <= SINGLE) & (far > self.step_over)  # the disc covers what is between passes
         gentle = (slope <= SPLIT) & ~level
-        for some, apart, wide in ((level, far, disc), (gentle, self.step * np.cos(SPLIT), 0.0)):
+        for some, apart, wide in ((level, far, disc), (gentle, self.step_over * np.cos(SPLIT), 0.0)):
             size = 1 + int(wide / self.field.step)
             paths += self._raster(binary_dilation(some & wanted, np.ones((3, 3)), iterations=size), apart)
         return paths
@@ -96,14 +96,14 @@ class Layout:
         high = -low
         np.minimum.at(low, at, tips[:, 2])
         np.maximum.at(high, at, tips[:, 2])
-        return minimum_filter(low, 3) - self.step, maximum_filter(high, 3) + self.step
+        return minimum_filter(low, 3) - self.step_over, maximum_filter(high, 3) + self.step_over
 
     def paths_through(self, tips, left):
         """Passes through those of the tips ``(n, 3)`` where most is ``left``, from each to the nearest one.
 
         Where the cutter does not come to rest at a tip, as on a wall, a waterline passes near the lowest one.
         """
-        tips, off = tips[_spaced(tips, -left, self.field.step)], NEAR * self.step
+        tips, off = tips[_spaced(tips, -left, self.field.step)], NEAR * self.step_over
         rests = np.abs(self.touch.heights(tips[:, :2]) - tips[:, 2]) <= off
         paths = self._chains(tips[rests]) if rests.any() else []
         if not rests.all():
@@ -120,7 +120,7 @@ class Layout:
         A path ends where the part is far above or below the straight way, as at a wall, a cliff or a pit.
         """
         order, _ = nearest_first(np.stack([tips, tips], axis=1), np.zeros(len(tips), bool))
-        tips, paths, most = tips[order], [], JOIN * self.step
+        tips, paths, most = tips[order], [], JOIN * self.step_over
         along = np.eye(3)[np.argmax(self.field.z.shape)] * self.field.step
         for chain in np.split(tips, 1 + np.flatnonzero(lengths(np.diff(tips, axis=0)) > most)):
             if len(chain) == 1:
@@ -140,7 +140,7 @@ class Layout:
 
     def _levels(self):
         """Heights of the first waterlines: evenly spaced, and along level faces."""
-        field, spacing = self.field, self.step * np.sin(SPLIT)
+        field, spacing = self.field, self.step_over * np.sin(SPLIT)
         levels = np.arange(field.floor + self._above, field.z.max(), spacing)
         faces = level_faces(self.touch.part, self.cutter) + self.touch.allowance + self._above
         return np.unique([*levels, *faces[(faces > field.floor) & (faces < field.z.max())]])
@@ -163,7 +163,7 @@ class Layout:
                 corner = points[keep]
                 corner[:, :2] += self.cutter.flat_radius * inward[keep]
                 corner[:, 2] += self.cutter.corner_radius
-                near = self.cutter.corner_radius + NEAR * self.step + slack
+                near = self.cutter.corner_radius + NEAR * self.step_over + slack
                 if self.cutter.kind == "cone":  # its side may be what touches
                     near = self.cutter.radius + self.cutter.length
                 keep[keep] = self.touch.part.tree.distances(corner) <= near
@@ -214,6 +214,6 @@ def _spaced(places, order, distance):
 def layout(touch, cutter, scallop, floor) -> Layout:
     """The layout for a part, from a grid of tips half a step-over apart."""
     step = step_over(cutter, scallop)
-    grid = max(WIDTH * step, cutter.diameter / GRID)
+    grid = max(WIDTH * step, cutter.diameter / CELLS)
     field = tip_field(touch, grid, floor, cutter.radius + touch.allowance + 2 * grid)
     return Layout(touch, cutter, field, field.slope, step)

@@ -14,7 +14,7 @@ from nurbs_lab.machining.field import TipField, empty_field
 from nurbs_lab.machining.part import part_named, prepare_part
 from nurbs_lab.nurbs.measure import samples_along
 
-CELLS = 24  # along a diameter, of the grid that holds the material while a program is planned
+CELLS = 24  # along a diameter, of the grids of material and of passes while a program is planned
 MOST_CELLS = 4e6
 TIP_SPACING = 0.5  # cells: distance between tips along a curve
 HALF = np.sqrt(0.5)  # steps of the grid: half the diagonal of a cell

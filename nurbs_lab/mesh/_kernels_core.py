@@ -7,6 +7,7 @@ is the sum of the numbers of its two corners.
 from math import atan2, floor, sqrt, tau
 
 import numpy as np
+from numba.extending import register_jitable
 
 from nurbs_lab.common.kernels import compiled, inlined
 from nurbs_lab.mesh._kernels_distance import cross, dot, less
@@ -16,10 +17,16 @@ SAME_ANGLE = 1e-9
 FEW = 32  # half-edges that are compared each with each; more are sorted first
 
 
-@inlined
-def following(h):
+@register_jitable
+def after(h):
     """The next half-edge of the same triangle."""
-    return h + 1 if h % 3 < 2 else h - 2
+    return h - h % 3 + (h + 1) % 3
+
+
+@register_jitable
+def before(h):
+    """The half-edge before in the same triangle."""
+    return h - h % 3 + (h + 2) % 3
 
 
 @compiled
@@ -195,10 +202,10 @@ def link_fan(edges, high, triangles, vertices, body, low, opposite, kinds):
 def rims(opposite):
     """The open half-edges of a mesh of one winding, and the open one that follows each around its hole."""
     halves = np.flatnonzero(opposite < 0)
-    after = np.empty_like(halves)
+    around = np.empty_like(halves)
     for i in range(len(halves)):
-        half = following(halves[i])
+        half = after(halves[i])
         while opposite[half] >= 0:
-            half = following(opposite[half])
-        after[i] = half
-    return halves, after
+            half = after(opposite[half])
+        around[i] = half
+    return halves, around

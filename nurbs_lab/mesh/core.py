@@ -66,17 +66,17 @@ class MeshGraph(Value):
     @property
     def boundary_edges(self) -> np.ndarray:
         """Vertex pairs of the edges that only one triangle has, ``(b, 2)``."""
-        return self._edges(1)
+        return self._edges(_kernels_core.BOUNDARY)
 
     @property
     def non_manifold_edges(self) -> np.ndarray:
         """Vertex pairs of the edges that three or more triangles share, ``(b, 2)``, each once."""
-        return self._edges(2)
+        return self._edges(_kernels_core.MANY)
 
     @property
     def against_winding_edges(self) -> np.ndarray:
         """Vertex pairs of the edges whose two triangles are wound against each other, ``(b, 2)``."""
-        return self._edges(3)
+        return self._edges(_kernels_core.AGAINST)
 
     def division_mark(self, layer) -> np.ndarray:
         """The paper's mark: True for every triangle that the contours of ``layer`` pass through, ``(m,)``."""
@@ -139,7 +139,7 @@ def linked(vertices, triangles, junk=None) -> MeshGraph:
         if copies.size:
             junk[copies] = True
             _kernels_core.link(triangles, vertices, body, junk, opposite, kinds)
-        body = bodies_of(np.where(kinds == 2, -1, opposite))[1]
+        body = bodies_of(np.where(kinds == _kernels_core.MANY, -1, opposite))[1]
         _kernels_core.link(triangles, vertices, body, junk, opposite, kinds)
     return MeshGraph(vertices, triangles, opposite, kinds, junk)
 

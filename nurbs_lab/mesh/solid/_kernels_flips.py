@@ -6,13 +6,12 @@ Half-edges are numbered as in `_kernels_layout`.
 import numpy as np
 
 from nurbs_lab.common.kernels import compiled, inlined
+from nurbs_lab.mesh._kernels_core import after, before
 from nurbs_lab.mesh._kernels_distance import dot, less
 from nurbs_lab.mesh.solid._kernels_ring import (
     MOST_NEIGHBOURS,
     TRACE,
-    after,
     area_vector,
-    before,
     keeps_side,
     ring_of,
 )

@@ -12,13 +12,12 @@ import heapq
 import numpy as np
 
 from nurbs_lab.common.kernels import compiled, inlined
+from nurbs_lab.mesh._kernels_core import after, before
 from nurbs_lab.mesh.solid._kernels_ring import (
     FREE,
     MOST_NEIGHBOURS,
     ON_CURVE,
-    after,
     area_vector,
-    before,
     cost_of,
     distance,
     flatten,
@@ -124,7 +123,7 @@ def offer(mesh, quadrics, weight, stamp, h, most_cost, heap):
 
 @compiled
 def coarsen(mesh, weight, most_cost, least_chord):
-    """Collapse vertices for as long as the cost stays below ``most_cost``, in mm squared.
+    """Collapse vertices for as long as the cost stays below ``most_cost``, a squared length.
 
     The chord of an edge is at least ``least_chord`` times the length of the sharp curve that it stands for.
     ``mesh`` is a `Coarse` and changes in place. Returns the log of collapses

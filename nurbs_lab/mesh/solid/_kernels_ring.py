@@ -6,6 +6,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from nurbs_lab.common.kernels import compiled, inlined
+from nurbs_lab.mesh._kernels_core import after, before
 from nurbs_lab.mesh._kernels_distance import cross, dot, less
 
 MOST_NEIGHBOURS = 400
@@ -17,18 +18,6 @@ Coarse = namedtuple("Coarse", "vertices kinds out triangles alive opposite sharp
 LEAST_COSINE = 0.2  # between the normals of a triangle before and after a change
 SPREAD = 5e-3  # of the squared length of an edge, in the cost of its collapse
 TRACE = 1e-4  # by which numbers part equal sizes: rotation and rounding change sizes by less
-
-
-@register_jitable
-def after(h):
-    """The next half-edge of the same triangle."""
-    return h - h % 3 + (h + 1) % 3
-
-
-@register_jitable
-def before(h):
-    """The half-edge before in the same triangle."""
-    return h - h % 3 + (h + 2) % 3
 
 
 @register_jitable

@@ -203,16 +203,16 @@ def _off(surfaces, points):
 
 def _surface_of(surface, scale):
     """The geometry of a whole surface."""
-    mm = surface.scaled(*scale)
-    frame = gp_Ax3(_point(mm.point), _direction(mm.axis))
+    placed = surface.scaled(*scale)
+    frame = gp_Ax3(_point(placed.point), _direction(placed.axis))
     if surface.kind == "plane":
         return Geom_Plane(frame)
     if surface.kind == "cone":
-        return Geom_ConicalSurface(frame, mm.other, 0.0)
+        return Geom_ConicalSurface(frame, placed.other, 0.0)
     if surface.kind == "torus":
-        return Geom_ToroidalSurface(frame, mm.other, mm.radius)
+        return Geom_ToroidalSurface(frame, placed.other, placed.radius)
     kind = {"cylinder": Geom_CylindricalSurface, "sphere": Geom_SphericalSurface}[surface.kind]
-    return kind(frame, mm.radius)
+    return kind(frame, placed.radius)
 
 
 def _point(place):

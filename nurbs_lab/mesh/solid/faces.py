@@ -65,7 +65,7 @@ class Face(Value):
 
 
 def patch(surface: NurbsSurface) -> Face:
-    """An untrimmed surface as a face: its loop are its four sides, v = 0, u = 1, v = 1 and u = 0."""
+    """An untrimmed surface as a face: its loop is its four sides, v = 0, u = 1, v = 1 and u = 0."""
     (left, right), (low, high) = surface.domain
     there = surface.iso_curve(v=low), surface.iso_curve(u=right)
     back = surface.iso_curve(v=high).reverse(), surface.iso_curve(u=left).reverse()

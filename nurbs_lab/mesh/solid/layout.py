@@ -84,7 +84,7 @@ class Chart:
 
 
 def lay_out(mesh: Surfels, weight, most_cost, most_faces) -> tuple[Layout, Chart] | None:
-    """Divide a mesh; ``most_cost`` is the largest quadric error of a collapse, in mm squared.
+    """Divide a mesh; ``most_cost`` is the largest quadric error of a collapse, a squared length.
 
     ``weight`` of the vertices multiplies the error. None where that takes more than ``most_faces`` pairs of
     coarse triangles: to join so many to faces can take a minute.

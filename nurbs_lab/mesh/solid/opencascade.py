@@ -196,14 +196,14 @@ def from_bytes(data):
 
 
 def volume(shape):
-    """Volume inside closed faces, mm³; of trimmed splines within 1e-6 of itself."""
+    """Volume inside closed faces, in the units of the shape; of trimmed splines within 1e-6 of itself."""
     found = GProp_GProps()
     BRepGProp.VolumePropertiesGK_s(shape, found, 1e-6, True)
     return found.Mass()
 
 
 def area(shape):
-    """Area of faces, mm²; of trimmed splines within 1e-6 of itself."""
+    """Area of faces, in the units of the shape; of trimmed splines within 1e-6 of itself."""
     found = GProp_GProps()
     BRepGProp.SurfaceProperties_s(shape, found, 1e-6)
     return found.Mass()
@@ -236,7 +236,7 @@ def _normals_along(edge, face, t):
 
 
 def triangles_of(shape, tolerance) -> trimesh.Trimesh:
-    """Closed triangles within ``tolerance`` mm of a closed shape; attribute ``face`` numbers its faces."""
+    """Closed triangles within ``tolerance`` of a closed shape; attribute ``face`` numbers its faces."""
     BRepTools.Clean_s(shape)
     how, by_delabella = IMeshTools_Parameters(), TopoDS_Compound()
     how.Deflection, how.Angle = tolerance, 0.5
@@ -254,9 +254,7 @@ def triangles_of(shape, tolerance) -> trimesh.Trimesh:
         face, place = TopoDS.Face_s(one), TopLoc_Location()
         found = BRep_Tool.Triangulation_s(face, place)
         if found is None:
-            raise ValueError(
-                f"tolerance is {tolerance} mm, at which OpenCASCADE leaves a face without triangles"
-            )
+            raise ValueError("tolerance: OpenCASCADE leaves a face without triangles there; give another one")
         vertices += [found.Node(i + 1).Coord() for i in range(found.NbNodes())]
         corners = np.array([found.Triangle(i + 1).Get() for i in range(found.NbTriangles())]).reshape(-1, 3)
         order = corners[:, ::-1] if face.Orientation() == TopAbs_REVERSED else corners

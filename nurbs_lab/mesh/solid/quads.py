@@ -10,8 +10,8 @@ import numpy as np
 from scipy.optimize import LinearConstraint, linprog, milp
 from scipy.sparse import coo_array
 
+from nurbs_lab.mesh._kernels_core import after, before
 from nurbs_lab.mesh.core import fans
-from nurbs_lab.mesh.solid._kernels_ring import after, before
 from nurbs_lab.mesh.solid.features import corner_angles
 
 _FACE = 2.0  # cost of a face; a corner that is off by a right angle costs 1
