@@ -18,7 +18,7 @@ from nurbs_lab.common.progress import bar, interruptible
 from nurbs_lab.common.threads import single_thread
 
 CHUNKS = 48  # in which items are sent; notebook 12 measures what a chunk costs
-_DOCUMENTED = """
+_EXECUTOR = """
 executor : concurrent.futures.Executor, optional
     Workers for a list; this process by default. The results are equal bit for bit.
 """
@@ -39,7 +39,7 @@ def as_executor(executor):
 def one_or_many(*also, ndim=0, send=None):
     """Decorate a function so that its first argument may be a list, for which it returns a list of results.
 
-    The decorated function has one more argument, ``executor``, as in `map_items`; its docstring, too.
+    The decorated function has one more argument, ``executor``, as in `map_items`, also in its docstring.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def one_or_many(*also, ndim=0, send=None):
 
         added = inspect.Parameter("executor", inspect.Parameter.KEYWORD_ONLY, default=None)
         before_results = r"\n(?=\n(Returns|Raises)\n)"
-        call.__doc__ = re.sub(before_results, _DOCUMENTED, inspect.cleandoc(function.__doc__ or ""), count=1)
+        call.__doc__ = re.sub(before_results, _EXECUTOR, inspect.cleandoc(function.__doc__ or ""), count=1)
         call.__signature__ = signature.replace(
             parameters=sorted([first, *others, added], key=lambda parameter: parameter.kind)
         )
